@@ -162,28 +162,21 @@ static int parse_arguments(parser *self, int term, char closing) {
     }
 }
 
-/* Report a name before a parenthesis that is not a function. */
-static int refuse_function(parser *self, int begin, int length) {
+static int parse_call(parser *self, int begin, int length) {
     const char *names[SALTUS_FUNCTION_COUNT];
     char name[32], complaint[160];
-    for (int k = 0; k < SALTUS_FUNCTION_COUNT; k++)
-        names[k] = functions[k].name;
-    snprintf(name, sizeof name, "%.*s", length, self->made->text + begin);
-    const char *meant = saltus_nearest_word(name, names, SALTUS_FUNCTION_COUNT);
-    snprintf(complaint, sizeof complaint, "there is no function of this name; %s%s%s",
-             meant ? "did you mean " : "a product needs a *", meant ? meant : "", meant ? "?" : "");
-    return refuse(self, begin, complaint);
-}
-
-static int parse_call(parser *self, int begin, int length) {
-    char complaint[128];
     int k = 0;
-    while (k < SALTUS_FUNCTION_COUNT &&
-           !((int)strlen(functions[k].name) == length &&
-             memcmp(functions[k].name, self->made->text + begin, (size_t)length) == 0))
+    for (int j = 0; j < SALTUS_FUNCTION_COUNT; j++)
+        names[j] = functions[j].name;
+    snprintf(name, sizeof name, "%.*s", length, self->made->text + begin);
+    while (k < SALTUS_FUNCTION_COUNT && strcmp(names[k], name) != 0)
         k++;
-    if (k == SALTUS_FUNCTION_COUNT)
-        return refuse_function(self, begin, length);
+    if (k == SALTUS_FUNCTION_COUNT) {
+        const char *meant = saltus_nearest_word(name, names, SALTUS_FUNCTION_COUNT);
+        snprintf(complaint, sizeof complaint, "there is no function of this name; %s%s%s",
+                 meant ? "did you mean " : "a product needs a *", meant ? meant : "", meant ? "?" : "");
+        return refuse(self, begin, complaint);
+    }
     int term = add_term(self, (saltus_expression_term){.kind = SALTUS_SYNTAX_CALL,
                                                        .function = (saltus_function)k,
                                                        .begin = begin,

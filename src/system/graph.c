@@ -70,8 +70,16 @@ double saltus_operation_value(saltus_operation operation, const double x[4]) {
     }
 }
 
-/* Hash of a node's contents (FNV-1a over its words, mixed at the end). */
-static unsigned long long hash_of(const saltus_graph_node *node) {
+/* Compares bits, so that zeros of different sign are different constants. */
+static bool equal(const saltus_graph_node *a, const saltus_graph_node *b) {
+    return a->operation == b->operation && a->index == b->index &&
+           memcmp(&a->value, &b->value, sizeof a->value) == 0 &&
+           memcmp(a->operand, b->operand, sizeof a->operand) == 0;
+}
+
+/* The bucket that holds an equal node, or the empty one where the node belongs: where the hash of its
+ * contents (FNV-1a over its words, mixed at the end) points to, or further on. */
+static int *bucket_of(const saltus_graph *graph, const saltus_graph_node *node) {
     unsigned long long bits, hash = 14695981039346656037ULL;
     memcpy(&bits, &node->value, sizeof bits);
     const unsigned long long words[] = {(unsigned)node->operation,  bits,
@@ -80,19 +88,7 @@ static unsigned long long hash_of(const saltus_graph_node *node) {
                                         (unsigned)node->operand[3]};
     for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
         hash = (hash ^ words[k]) * 1099511628211ULL;
-    return hash ^ hash >> 29;
-}
-
-/* Compares bits, so that zeros of different sign are different constants. */
-static bool equal(const saltus_graph_node *a, const saltus_graph_node *b) {
-    return a->operation == b->operation && a->index == b->index &&
-           memcmp(&a->value, &b->value, sizeof a->value) == 0 &&
-           memcmp(a->operand, b->operand, sizeof a->operand) == 0;
-}
-
-/* The bucket that holds an equal node, or the empty one where the node belongs. */
-static int *bucket_of(const saltus_graph *graph, const saltus_graph_node *node) {
-    unsigned long long mask = (unsigned long long)graph->bucket_count - 1, at = hash_of(node) & mask;
+    unsigned long long mask = (unsigned long long)graph->bucket_count - 1, at = (hash ^ hash >> 29) & mask;
     while (graph->buckets[at] >= 0 && !equal(&graph->nodes[graph->buckets[at]], node))
         at = (at + 1) & mask;
     return &graph->buckets[at];
@@ -213,57 +209,40 @@ int saltus_graph_choose(saltus_graph *graph, saltus_operation comparison, int a,
     return yes == no ? yes : add_operation(graph, comparison, (const int[4]){a, b, yes, no});
 }
 
-/* Short names for the derivatives below. */
-static int add(saltus_graph *g, int a, int b) {
-    return saltus_graph_apply(g, SALTUS_OP_ADD, a, b);
-}
-static int subtract(saltus_graph *g, int a, int b) {
-    return saltus_graph_apply(g, SALTUS_OP_SUBTRACT, a, b);
-}
-static int multiply(saltus_graph *g, int a, int b) {
-    return saltus_graph_apply(g, SALTUS_OP_MULTIPLY, a, b);
-}
-static int divide(saltus_graph *g, int a, int b) {
-    return saltus_graph_apply(g, SALTUS_OP_DIVIDE, a, b);
-}
-static int function(saltus_graph *g, saltus_operation operation, int a) {
-    return saltus_graph_apply(g, operation, a, -1);
-}
-static int constant(saltus_graph *g, double value) {
-    return saltus_graph_constant(g, value);
-}
+/* An operation in the derivatives below. */
+#define APPLY(operation, a, b) saltus_graph_apply(g, SALTUS_OP_##operation, a, b)
 
 int saltus_graph_outer_derivative(saltus_graph *g, int node) {
     const saltus_operation operation = g->nodes[node].operation;
     const int a = g->nodes[node].operand[0];
-    int one = constant(g, 1), square = multiply(g, a, a);
+    int one = saltus_graph_constant(g, 1), square = APPLY(MULTIPLY, a, a);
     switch (operation) {
     case SALTUS_OP_SQRT:
-        return divide(g, constant(g, 0.5), node);
+        return APPLY(DIVIDE, saltus_graph_constant(g, 0.5), node);
     case SALTUS_OP_EXP:
         return node;
     case SALTUS_OP_LOG:
-        return divide(g, one, a);
+        return APPLY(DIVIDE, one, a);
     case SALTUS_OP_SIN:
-        return function(g, SALTUS_OP_COS, a);
+        return APPLY(COS, a, -1);
     case SALTUS_OP_COS:
-        return subtract(g, 0, function(g, SALTUS_OP_SIN, a));
+        return APPLY(SUBTRACT, 0, APPLY(SIN, a, -1));
     case SALTUS_OP_TAN:
-        return add(g, one, multiply(g, node, node));
+        return APPLY(ADD, one, APPLY(MULTIPLY, node, node));
     case SALTUS_OP_ASIN:
-        return divide(g, one, function(g, SALTUS_OP_SQRT, subtract(g, one, square)));
+        return APPLY(DIVIDE, one, APPLY(SQRT, APPLY(SUBTRACT, one, square), -1));
     case SALTUS_OP_ACOS:
-        return divide(g, constant(g, -1), function(g, SALTUS_OP_SQRT, subtract(g, one, square)));
+        return APPLY(DIVIDE, saltus_graph_constant(g, -1), APPLY(SQRT, APPLY(SUBTRACT, one, square), -1));
     case SALTUS_OP_ATAN:
-        return divide(g, one, add(g, one, square));
+        return APPLY(DIVIDE, one, APPLY(ADD, one, square));
     case SALTUS_OP_SINH:
-        return function(g, SALTUS_OP_COSH, a);
+        return APPLY(COSH, a, -1);
     case SALTUS_OP_COSH:
-        return function(g, SALTUS_OP_SINH, a);
+        return APPLY(SINH, a, -1);
     case SALTUS_OP_TANH:
-        return subtract(g, one, multiply(g, node, node));
+        return APPLY(SUBTRACT, one, APPLY(MULTIPLY, node, node));
     case SALTUS_OP_ABS:
-        return function(g, SALTUS_OP_SIGN, a);
+        return APPLY(SIGN, a, -1);
     default: /* sign and step are piecewise constant */
         return 0;
     }
@@ -274,24 +253,24 @@ static int differentiate(saltus_graph *g, int node, const int *d) {
     int a = n.operand[0], b = n.operand[1], da = a < 0 ? 0 : d[a], db = b < 0 ? 0 : d[b];
     switch (n.operation) {
     case SALTUS_OP_ADD:
-        return add(g, da, db);
+        return APPLY(ADD, da, db);
     case SALTUS_OP_SUBTRACT:
-        return subtract(g, da, db);
+        return APPLY(SUBTRACT, da, db);
     case SALTUS_OP_MULTIPLY:
-        return add(g, multiply(g, da, b), multiply(g, a, db));
+        return APPLY(ADD, APPLY(MULTIPLY, da, b), APPLY(MULTIPLY, a, db));
     case SALTUS_OP_DIVIDE:
-        return divide(g, subtract(g, da, multiply(g, node, db)), b);
+        return APPLY(DIVIDE, APPLY(SUBTRACT, da, APPLY(MULTIPLY, node, db)), b);
     case SALTUS_OP_POWER: { /* a^b -> b a^(b - 1) a' + a^b log(a) b' */
-        int lower = saltus_graph_apply(g, SALTUS_OP_POWER, a, subtract(g, b, constant(g, 1)));
-        int first = multiply(g, multiply(g, b, lower), da);
+        int lower = APPLY(POWER, a, APPLY(SUBTRACT, b, saltus_graph_constant(g, 1)));
+        int first = APPLY(MULTIPLY, APPLY(MULTIPLY, b, lower), da);
         return db == 0 ? first
-                       : add(g, first, multiply(g, multiply(g, node, function(g, SALTUS_OP_LOG, a)), db));
+                       : APPLY(ADD, first, APPLY(MULTIPLY, APPLY(MULTIPLY, node, APPLY(LOG, a, -1)), db));
     }
     case SALTUS_OP_ATAN2:
-        return divide(g, subtract(g, multiply(g, b, da), multiply(g, a, db)),
-                      add(g, multiply(g, a, a), multiply(g, b, b)));
+        return APPLY(DIVIDE, APPLY(SUBTRACT, APPLY(MULTIPLY, b, da), APPLY(MULTIPLY, a, db)),
+                     APPLY(ADD, APPLY(MULTIPLY, a, a), APPLY(MULTIPLY, b, b)));
     case SALTUS_OP_MOD: /* floor(a / b) = (a - mod) / b */
-        return subtract(g, da, multiply(g, divide(g, subtract(g, a, node), b), db));
+        return APPLY(SUBTRACT, da, APPLY(MULTIPLY, APPLY(DIVIDE, APPLY(SUBTRACT, a, node), b), db));
     case SALTUS_OP_MIN:
         return saltus_graph_choose(g, SALTUS_OP_CHOOSE_LESS, b, a, db, da);
     case SALTUS_OP_MAX:
@@ -301,7 +280,7 @@ static int differentiate(saltus_graph *g, int node, const int *d) {
     case SALTUS_OP_CHOOSE_EQUAL:
         return saltus_graph_choose(g, n.operation, a, b, d[n.operand[2]], d[n.operand[3]]);
     default:
-        return da ? multiply(g, saltus_graph_outer_derivative(g, node), da) : 0;
+        return da ? APPLY(MULTIPLY, saltus_graph_outer_derivative(g, node), da) : 0;
     }
 }
 
@@ -315,7 +294,9 @@ void saltus_graph_differentiate(saltus_graph *graph, int leaf, int count, unsign
         }
         for (int j = 0; j < saltus_operation_operands(graph->nodes[k].operation); j++)
             leads |= derivatives[graph->nodes[k].operand[j]] != 0;
-        derivatives[k] = k == leaf ? constant(graph, 1) : leads ? differentiate(graph, k, derivatives) : 0;
+        derivatives[k] = k == leaf ? saltus_graph_constant(graph, 1)
+                         : leads   ? differentiate(graph, k, derivatives)
+                                   : 0;
     }
 }
 
@@ -369,21 +350,17 @@ double saltus_graph_ways(const saltus_graph *graph, int node) {
     return all;
 }
 
-/* The operand (2 or 3) that a choice does not take with these values; -1: the operation is not a choice. */
-static int not_chosen(const saltus_graph_node *n, const double *values) {
-    if (n->operation < SALTUS_OP_CHOOSE_LESS)
-        return -1;
-    const double operand[] = {values[n->operand[0]], values[n->operand[1]], 2, 3};
-    return 5 - (int)saltus_operation_value(n->operation, operand);
-}
-
 void saltus_graph_mark(const saltus_graph *graph, const int *roots, int root_count, const double *values,
                        bool *needed) {
     for (int k = 0; k < root_count; k++)
         needed[roots[k]] = true;
     for (int k = graph->count - 1; k >= 0; k--) {
         const saltus_graph_node *n = &graph->nodes[k];
-        const int left_out = needed[k] && values ? not_chosen(n, values) : -1;
+        int left_out = -1; /* the operand, 2 or 3, that a choice does not take */
+        if (needed[k] && values && n->operation >= SALTUS_OP_CHOOSE_LESS) {
+            const double operand[] = {values[n->operand[0]], values[n->operand[1]], 2, 3};
+            left_out = 5 - (int)saltus_operation_value(n->operation, operand);
+        }
         for (int j = 0; needed[k] && j < saltus_operation_operands(n->operation); j++)
             needed[n->operand[j]] |= j != left_out;
     }

@@ -85,14 +85,8 @@ static double decay_bound(const saltus_system *system) {
  * beside the response counts only between two sides. */
 static double typical_length(const saltus_system *system) {
     const double *p = system->spec.parameters;
-    double length = 0;
-    bool between = false;
-    for (int s = 0; s < system->spec.stop_count; s++) {
-        between |= system->spec.stops[s].sides == SALTUS_BOTH;
-        double d = fabs(system->spec.stops[s].d);
-        if (d > 0 && (length == 0 || d < length))
-            length = d;
-    }
+    bool between;
+    double length = saltus_least_clearance(system, &between);
     const double force = fabs(p[p_F]) + fabs(p[p_F0]),
                  response = force / (p[p_k] + p[p_m] * gsl_pow_2(p[p_omega]));
     if (length == 0 || (!between && isfinite(response) && length < SALTUS_NO_CLEARANCE * response))

@@ -69,18 +69,20 @@ static void evaluate(const saltus_equations_graph *g, const saltus_spec *spec, c
     saltus_graph_evaluate(&g->graph, spec->parameters, state ? state : zero, phase * period, phase, values);
 }
 
-static double *values_of(const saltus_equations_graph *g) {
-    return malloc((size_t)g->graph.count * sizeof(double));
+/* The same in memory that the caller frees; NULL: there is none. */
+static double *values_at(const saltus_equations_graph *g, const saltus_spec *spec, const double *state,
+                         double phase) {
+    double *values = malloc((size_t)g->graph.count * sizeof *values);
+    if (values)
+        evaluate(g, spec, state, phase, values);
+    return values;
 }
 
 /* Set clearances and restitutions that are expressions. */
 static void complete(saltus_spec *spec) {
     const saltus_equations_graph *g = graph_of(spec);
-    double *values = g ? values_of(g) : NULL;
-    if (!values)
-        return;
-    evaluate(g, spec, NULL, 0, values);
-    for (int s = 0; s < spec->stop_count && s < g->stop_count; s++) {
+    double *values = g ? values_at(g, spec, NULL, 0) : NULL;
+    for (int s = 0; values && s < spec->stop_count && s < g->stop_count; s++) {
         if (g->stops[s].clearance >= 0)
             spec->stops[s].d = values[g->stops[s].clearance];
         if (g->stops[s].restitution >= 0)
@@ -92,9 +94,7 @@ static void complete(saltus_spec *spec) {
 static void normal(const saltus_spec *spec, int dof, const saltus_stop *stop, double *n) {
     const saltus_equations_graph *g = graph_of(spec);
     const int s = (int)(stop - spec->stops);
-    double *values = values_of(g);
-    if (values)
-        evaluate(g, spec, NULL, 0, values);
+    double *values = values_at(g, spec, NULL, 0);
     for (int i = 0; i < dof; i++)
         n[i] = !values ? NAN : s < g->stop_count ? values[g->stops[s].normal[i]] : 0;
     free(values);
@@ -108,34 +108,12 @@ static void reserve(saltus_system *system) {
     system->numbers = saltus_arena_doubles(&system->arena, (size_t)g->graph.count);
 }
 
-/* A length of the response to the forcing alone: the greatest acceleration at rest, over the square of the
- * angular frequency. */
-static double forced_response(const saltus_system *system, const saltus_equations_graph *g) {
-    enum { phases = 4 };
-    double *values = values_of(g), most = 0;
-    for (int k = 0; k < phases && values && g->forced; k++) {
-        evaluate(g, &system->spec, NULL, (double)k / phases, values);
-        for (int i = 0; i < system->dof; i++)
-            most = fmax(most, fabs(values[g->field[i]]));
-    }
-    free(values);
-    most /= g->forced ? system->omega * system->omega : 1;
-    return isfinite(most) ? most : 0;
-}
-
 /* A typical length of displacements: the smallest clearance, else the first nonzero initial displacement,
  * else 1. */
 static double typical_length(const saltus_system *system, const saltus_equations_graph *g) {
-    double length = 0;
-    bool between = false;
-    for (int s = 0; s < system->spec.stop_count; s++) {
-        const saltus_stop *stop = &system->spec.stops[s];
-        between |= stop->sides == SALTUS_BOTH;
-        const double offset = s < g->stop_count ? system->numbers[g->stops[s].offset] : 0;
-        double d = fabs(stop->sides == SALTUS_LOWER ? stop->d + offset : stop->d - offset);
-        if (d > 0 && (length == 0 || d < length))
-            length = d;
-    }
+    enum { phases = 4 };
+    bool between;
+    double length = saltus_least_clearance(system, &between);
     /* A clearance that is tiny beside the initial displacement is not typical. */
     double begin = 0;
     for (int i = 0; i < system->dof && begin == 0; i++)
@@ -143,8 +121,19 @@ static double typical_length(const saltus_system *system, const saltus_equations
             begin = fabs(system->numbers[g->state[i].initial]);
     if (length < SALTUS_NO_CLEARANCE * begin)
         length = begin;
-    /* Nor is one far below what the forcing moves, but between two sides; nor one far beyond both. */
-    const double response = length > 0 ? forced_response(system, g) : 0, moved = fmax(begin, response);
+    /* Nor is one far below what the forcing moves, but between two sides; nor one far beyond both. The
+     * response to the forcing alone is the greatest acceleration at rest, over the square of the angular
+     * frequency. */
+    double response = 0;
+    for (int k = 0; k < phases && g->forced && length > 0; k++) {
+        double *values = values_at(g, &system->spec, NULL, (double)k / phases);
+        for (int i = 0; i < system->dof && values; i++)
+            response = fmax(response, fabs(values[g->field[i]]));
+        free(values);
+    }
+    response /= g->forced ? system->omega * system->omega : 1;
+    response = isfinite(response) ? response : 0;
+    const double moved = fmax(begin, response);
     if (!between && begin == 0 && length < 1e-6 * response)
         length = 0;
     if (moved > 0 && length > 1e5 * moved)
@@ -160,22 +149,17 @@ static void field_at(const saltus_system *system, const saltus_equations_graph *
         field[i] = values[g->field[i]];
 }
 
-/* How strongly an extra state pulls at accelerations, and how its rate depends on displacements and on
- * velocities. */
-typedef struct extra_loop {
-    double pull, moved, dragged;
-} extra_loop;
-
 /* Measure the linear part at the reference state by differences: its diagonal for the stiff integrator,
- * bounds on its eigenvalues (rows of the first-order form) and decay rates, scales of velocities. An extra
- * state's pull counts by the rate of the loops that it closes, which does not depend on the scales: beside a
- * small clearance any pull would look stiff. */
+ * bounds on its eigenvalues (rows of the first-order form) and decay rates, scales of velocities. How
+ * strongly an extra state pulls at accelerations counts by the rate of the loops that this reply closes with
+ * its dependence on displacements and velocities, which moved and drag it; the rate of a loop does not depend
+ * on the scales, while beside a small clearance any pull would look stiff. */
 static void measure_rates(saltus_system *system, const saltus_equations_graph *g, const double *reference,
                           double *values) {
     const int n = system->dof, all = n + system->extra, dimension = system->dimension;
     double state[SALTUS_STATE_MAX], above[SALTUS_STATE_MAX], below[SALTUS_STATE_MAX], loops = 0;
     double pull[SALTUS_STATE_MAX] = {0}, drag[SALTUS_STATE_MAX] = {0}, decay = 0, stiffness = 0, damping = 0;
-    extra_loop loop[SALTUS_STATE_MAX] = {{0}};
+    double reply[SALTUS_STATE_MAX] = {0}, moved[SALTUS_STATE_MAX] = {0}, dragged[SALTUS_STATE_MAX] = {0};
     memcpy(state, reference, (size_t)dimension * sizeof *state);
     for (int j = 0; j < dimension; j++) {
         const double h = 1e-5 * system->scale[j];
@@ -195,11 +179,11 @@ static void measure_rates(saltus_system *system, const saltus_equations_graph *g
             else if (j < 2 * n || i >= n)
                 drag[i] += fabs(slope);
             else
-                loop[j - 2 * n].pull = fmax(loop[j - 2 * n].pull, fabs(slope));
+                reply[j - 2 * n] = fmax(reply[j - 2 * n], fabs(slope));
             if (i >= n && j < n)
-                loop[i - n].moved = fmax(loop[i - n].moved, fabs(slope));
+                moved[i - n] = fmax(moved[i - n], fabs(slope));
             else if (i >= n && j < 2 * n)
-                loop[i - n].dragged = fmax(loop[i - n].dragged, fabs(slope));
+                dragged[i - n] = fmax(dragged[i - n], fabs(slope));
             if (i < n && j == i)
                 system->stiffness[i] = fmax(-slope, 0);
             if (i < n && j == n + i)
@@ -213,7 +197,7 @@ static void measure_rates(saltus_system *system, const saltus_equations_graph *g
         damping = fmax(damping, drag[i]);
     }
     for (int k = 0; k < system->extra; k++)
-        loops = fmax(loops, cbrt(loop[k].pull * loop[k].moved) + sqrt(loop[k].pull * loop[k].dragged));
+        loops = fmax(loops, cbrt(reply[k] * moved[k]) + sqrt(reply[k] * dragged[k]));
     damping += loops;
     /* Without forcing, all forces on a displacement show how fast it is: feedback may hide its own
      * stiffness. */
@@ -294,7 +278,9 @@ static void build(saltus_system *system) {
     system->coefficients.terms =
         (g->forced ? SALTUS_TERM_FORCED : 0) | (system->extra ? SALTUS_TERM_EXTRA : 0);
     evaluate(g, &system->spec, NULL, 0, values);
-    double length = typical_length(system, g);
+    for (int s = 0; s < system->spec.stop_count && s < g->stop_count; s++)
+        system->offset[s] = values[g->stops[s].offset];
+    const double length = typical_length(system, g);
     for (int i = 0; i < system->dimension; i++) {
         if (g->state[i].initial >= 0)
             reference[i] = values[g->state[i].initial];
@@ -309,8 +295,6 @@ static void build(saltus_system *system) {
     system->mirror_shift = g->forced;
     system->mirror = is_odd(system, g, g->forced, values);
     evaluate(g, &system->spec, NULL, 0, values);
-    for (int s = 0; s < system->spec.stop_count && s < g->stop_count; s++)
-        system->offset[s] = values[g->stops[s].offset];
     for (int s = 0; s < tape->slot_count; s++)
         system->coefficients.slot[s] = values[tape->slot_node[s]];
 }
@@ -376,7 +360,7 @@ enum { common = 400 };
 static double *evaluate_part(const saltus_system *system, const saltus_graph_part *part, const double *state,
                              double phase, double room[common]) {
     const saltus_equations_graph *g = graph_of(&system->spec);
-    double *values = g->graph.count <= common ? room : values_of(g);
+    double *values = g->graph.count <= common ? room : malloc((size_t)g->graph.count * sizeof *values);
     if (values)
         saltus_graph_evaluate_some(&g->graph, part->nodes, part->count, system->spec.parameters, state,
                                    phase * system->period, phase, values);
@@ -444,9 +428,7 @@ static const char *observable(const saltus_model *model, int k) {
 
 static void observe(const saltus_system *system, const double *state, double phase, double *values) {
     const saltus_equations_graph *g = graph_of(&system->spec);
-    double *all = values_of(g);
-    if (all)
-        evaluate(g, &system->spec, state, phase, all);
+    double *all = values_at(g, &system->spec, state, phase);
     for (int k = 0; k < g->observed_count; k++)
         values[k] = all ? all[g->observed[k].node] : NAN;
     free(all);
@@ -473,12 +455,10 @@ static bool defined(const saltus_system *system, const double *state, double pha
 static bool fault(const saltus_system *system, const double *state, double phase, saltus_message *what) {
     const saltus_equations_graph *g = graph_of(&system->spec);
     const int count = system->dof + system->extra;
-    double *values = values_of(g);
+    double *values = values_at(g, &system->spec, state, phase);
     int operand = -1, node = -1;
-    if (values) {
-        evaluate(g, &system->spec, state, phase, values);
+    if (values)
         node = saltus_graph_fault(&g->graph, g->field, count, values, system->scale, &operand);
-    }
     char *whole = node < 0 ? NULL : node_text(system, node),
          *part = node < 0 ? NULL : node_text(system, operand);
     if (whole && part)
@@ -504,6 +484,10 @@ static void *copied(text_model *m, const void *bytes, size_t size, bool *whole) 
 /* The same for a string; NULL stays NULL. */
 static char *copied_text(text_model *m, const char *text, bool *whole) {
     return text ? copied(m, text, strlen(text), whole) : NULL;
+}
+
+static saltus_status no_memory(saltus_message *message) {
+    return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
 }
 
 static saltus_status place_failure(const char *origin, const char *name, int line, const char *sentence,
@@ -551,7 +535,7 @@ static saltus_status parse_equation(text_model *m, const char *origin, const sal
     p->line = e->line;
     p->right.root = -1;
     if (!whole)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+        return no_memory(message);
     if (!p->text)
         return SALTUS_OK;
     const char *wrong = by_state ? NULL : parse_left(p->name, p);
@@ -593,11 +577,14 @@ static saltus_status copy_numbers(text_model *m, const saltus_text *text, saltus
         c.values = copied(m, c.values, count * sizeof *c.values, &whole);
         to->constants[to->constant_count] = c;
     }
-    return whole ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+    return whole ? SALTUS_OK : no_memory(message);
 }
 
-static void free_model(text_model *m) {
+static void own(const saltus_model *model, int change) {
+    text_model *m = (text_model *)(void *)(uintptr_t)model;
     saltus_parsed_text *t = &m->text;
+    if (atomic_fetch_add(&m->owners, change) + change > 0)
+        return;
     for (size_t l = 0; l < sizeof t->lists / sizeof t->lists[0]; l++)
         for (int k = 0; k < t->lists[l].count; k++)
             saltus_expression_clear(&t->lists[l].items[k].right);
@@ -607,11 +594,6 @@ static void free_model(text_model *m) {
         saltus_equations_graph_free(g);
     }
     free(m);
-}
-
-static bool is_name(const char *text) {
-    static const char all[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
-    return *text && !(*text >= '0' && *text <= '9') && text[strspn(text, all)] == '\0';
 }
 
 /* Whether a name is reserved, such as t, sin or, also with a number, d. */
@@ -645,6 +627,7 @@ static int by_name(const void *a, const void *b) {
 
 /* Check that every name is well-formed, not reserved and declared once. */
 static saltus_status check_names(const text_model *m, saltus_message *message) {
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
     const saltus_parsed_text *t = &m->text;
     const struct {
         const saltus_parsed_list *list;
@@ -655,7 +638,7 @@ static saltus_status check_names(const text_model *m, saltus_message *message) {
         room += lists[k].list->count;
     declared *all = calloc((size_t)room + 1, sizeof *all);
     if (!all)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+        return no_memory(message);
     for (int k = 0; k < t->parameter_count; k++)
         all[count++] = (declared){t->parameters[k].name, "a parameter", m->parameter_line[k]};
     for (int k = 0; k < t->constant_count; k++)
@@ -674,43 +657,42 @@ static saltus_status check_names(const text_model *m, saltus_message *message) {
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < count && status == SALTUS_OK; k++) {
         char sentence[200];
-        const char *wrong = strlen(all[k].name) >= SALTUS_NAME_MAX ? "a name must have 1 to 31 characters"
-                            : !is_name(all[k].name)
-                                ? "a name is made of letters, digits and _, a letter first"
-                            : is_reserved(all[k].name) ? "this name is reserved"
-                                                       : NULL;
-        if (!wrong && k > 0 && strcmp(all[k].name, all[k - 1].name) == 0) {
+        const char *name = all[k].name, *wrong = NULL;
+        if (strlen(name) >= SALTUS_NAME_MAX)
+            wrong = "a name must have 1 to 31 characters";
+        else if (!*name || (*name >= '0' && *name <= '9') || name[strspn(name, letters)])
+            wrong = "a name is made of letters, digits and _, a letter first";
+        else if (is_reserved(name))
+            wrong = "this name is reserved";
+        else if (k > 0 && strcmp(name, all[k - 1].name) == 0) {
             snprintf(sentence, sizeof sentence, "is %s already (line %d)", all[k - 1].what, all[k - 1].line);
             wrong = sentence;
         }
         if (wrong)
-            status = place_failure(t->origin, all[k].name, all[k].line, wrong, message);
+            status = place_failure(t->origin, name, all[k].line, wrong, message);
     }
     free(all);
     return status;
 }
 
-/* Whether any expression contains a name. */
-static bool is_used(const saltus_parsed_text *t, const char *name) {
-    const size_t length = strlen(name);
-    for (size_t l = 0; l < sizeof t->lists / sizeof t->lists[0]; l++)
-        for (int k = 0; k < t->lists[l].count; k++) {
-            const saltus_expression *e = &t->lists[l].items[k].right;
-            for (int j = 0; j < e->count; j++)
-                if (e->terms[j].kind == SALTUS_SYNTAX_NAME && (size_t)e->terms[j].length == length &&
-                    memcmp(e->text + e->terms[j].begin, name, length) == 0)
-                    return true;
-        }
-    return t->forcing && strcmp(t->forcing, name) == 0;
-}
-
 /* Refuse parameters that no equation contains: most of them are misspelt. */
 static saltus_status check_used(const text_model *m, saltus_message *message) {
     const saltus_parsed_text *t = &m->text;
-    for (int k = 0; k < t->parameter_count; k++)
-        if (!is_used(t, t->parameters[k].name))
-            return place_failure(t->origin, t->parameters[k].name, m->parameter_line[k],
-                                 "no equation has this parameter", message);
+    for (int p = 0; p < t->parameter_count; p++) {
+        const char *name = t->parameters[p].name;
+        const size_t length = strlen(name);
+        bool used = p == m->model.forcing;
+        for (size_t l = 0; l < sizeof t->lists / sizeof t->lists[0]; l++)
+            for (int k = 0; k < t->lists[l].count && !used; k++) {
+                const saltus_expression *e = &t->lists[l].items[k].right;
+                for (int j = 0; j < e->count && !used; j++)
+                    used = e->terms[j].kind == SALTUS_SYNTAX_NAME && (size_t)e->terms[j].length == length &&
+                           memcmp(e->text + e->terms[j].begin, name, length) == 0;
+            }
+        if (!used)
+            return place_failure(t->origin, name, m->parameter_line[p], "no equation has this parameter",
+                                 message);
+    }
     return SALTUS_OK;
 }
 
@@ -721,7 +703,8 @@ static saltus_status check_periodic(const text_model *m, const saltus_spec *spec
     if (spec->model->forcing < 0 || !g->forced)
         return SALTUS_OK;
     const double period = 2 * M_PI / spec->parameters[spec->model->forcing];
-    double *now = values_of(g), *later = values_of(g), state[SALTUS_STATE_MAX];
+    const size_t size = (size_t)g->graph.count * sizeof(double);
+    double *now = malloc(size), *later = malloc(size), state[SALTUS_STATE_MAX];
     double parameters[SALTUS_PARAMETERS_MAX];
     int worst = -1;
     for (int k = 0; k < 6 && now && later && worst < 0; k++) {
@@ -744,7 +727,7 @@ static saltus_status check_periodic(const text_model *m, const saltus_spec *spec
     free(now);
     free(later);
     if (!known)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+        return no_memory(message);
     if (worst < 0)
         return SALTUS_OK;
     const saltus_parsed_list *list = worst < g->dof ? &m->text.motion : &m->text.states;
@@ -756,20 +739,6 @@ static saltus_status check_periodic(const text_model *m, const saltus_spec *spec
         m->text.origin, own->name, own->line,
         "time must enter with the period of the forcing, as in cos(omega*t): t begins anew every period",
         message);
-}
-
-/* Find the parameter that is the angular frequency of the forcing. */
-static saltus_status find_forcing(text_model *m, const saltus_text *text, saltus_message *message) {
-    for (int k = 0; k < m->text.parameter_count && m->text.forcing; k++)
-        if (strcmp(m->text.parameters[k].name, m->text.forcing) == 0)
-            m->model.forcing = k;
-    if (!m->text.forcing || m->model.forcing >= 0)
-        return SALTUS_OK;
-    char sentence[160];
-    snprintf(sentence, sizeof sentence,
-             "%.60s is not a parameter; forcing names the one that is the angular frequency",
-             m->text.forcing);
-    return place_failure(m->text.origin, text->forcing.name, text->forcing.line, sentence, message);
 }
 
 static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_message *message) {
@@ -800,7 +769,7 @@ static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_m
         saltus_parsed_list *to = lists[k].to;
         to->items = saltus_text_keep(&m->owned, (size_t)lists[k].count, sizeof *to->items);
         if (!to->items)
-            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+            status = no_memory(message);
         for (; to->count < lists[k].count && status == SALTUS_OK; to->count++) {
             const char *at = (const char *)lists[k].items + (size_t)to->count * lists[k].stride;
             status = parse_equation(m, lists[k].origin, (const saltus_equation *)(const void *)at,
@@ -809,13 +778,15 @@ static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_m
     }
     if (status == SALTUS_OK)
         status = check_names(m, message);
-    return status == SALTUS_OK ? find_forcing(m, text, message) : status;
-}
-
-static void own(const saltus_model *model, int change) {
-    text_model *m = (text_model *)(void *)(uintptr_t)model;
-    if (atomic_fetch_add(&m->owners, change) + change == 0)
-        free_model(m);
+    for (int k = 0; k < t->parameter_count && t->forcing && status == SALTUS_OK; k++)
+        if (strcmp(t->parameters[k].name, t->forcing) == 0)
+            m->model.forcing = k;
+    if (status != SALTUS_OK || !t->forcing || m->model.forcing >= 0)
+        return status;
+    char sentence[160];
+    snprintf(sentence, sizeof sentence,
+             "%.60s is not a parameter; forcing names the one that is the angular frequency", t->forcing);
+    return place_failure(t->origin, text->forcing.name, text->forcing.line, sentence, message);
 }
 
 /* Members common to all models from text. */
@@ -858,7 +829,7 @@ saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model 
     int dof, extra;
     *model = NULL;
     if (!m)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+        return no_memory(message);
     atomic_init(&m->owners, 1);
     atomic_init(&m->graphs, NULL);
     m->model = common_model;
@@ -877,9 +848,9 @@ saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model 
         status = check_used(m, message);
     if (status == SALTUS_OK)
         status = check_periodic(m, &spec, message);
-    if (status != SALTUS_OK)
-        free_model(m);
-    else
+    if (status == SALTUS_OK)
         *model = &m->model;
+    else
+        own(&m->model, -1);
     return status;
 }

@@ -35,16 +35,14 @@ typedef struct builder {
     const double *parameters;
     saltus_equations_graph *made;
     saltus_graph *graph;
-    quantities displacements, states;
+    quantities kinds[2]; /* displacements, and first-order states */
     struct {
         const char *name;
         int length;
         double value;
-    } local[locals_max];    /* indices of families and sums */
-    int locals, own, depth; /* locals from `own` on belong to the equation being read */
-    struct {
-        int *node, room; /* [member] of an abbreviation; -1: not known yet */
-    } * known;
+    } local[locals_max];           /* indices of families and sums */
+    int locals, own, depth;        /* locals from `own` on belong to the equation being read */
+    saltus_list *known;            /* [abbreviation]: the nodes (int) of its members; -1: not known yet */
     saltus_list divisions;         /* division: those by anything but numbers */
     bool restituting;              /* the closing speed may occur in what is being read */
     bool at_rest;                  /* read displacements, velocities and states as zero */
@@ -242,42 +240,24 @@ static int let_of(builder *b, const saltus_expression_term *term, const char *na
                       number);
     if (b->at_rest)
         return right_side(b, equation, number);
-    const int k = (int)(equation - let->items);
-    if (number >= b->known[k].room) {
-        int room = 2 * number + 8, *nodes = realloc(b->known[k].node, (size_t)room * sizeof *nodes);
-        if (no_memory(b, nodes))
+    saltus_list *known_of = &b->known[equation - let->items];
+    while (known_of->count <= number) {
+        int *entry = saltus_list_add(known_of, sizeof *entry);
+        if (no_memory(b, entry))
             return 0;
-        for (int j = b->known[k].room; j < room; j++)
-            nodes[j] = -1;
-        b->known[k].node = nodes;
-        b->known[k].room = room;
+        *entry = -1;
     }
-    if (b->known[k].node[number] < 0) {
-        int node = right_side(b, equation, number);
-        b->known[k].node[number] = node;
+    if (((int *)known_of->items)[number] < 0) {
+        const int node = right_side(b, equation, number);
+        ((int *)known_of->items)[number] = node;
     }
-    return b->known[k].node[number];
-}
-
-static int leaf_of(builder *b, const saltus_expression_term *term, const char *name) {
-    bool time = is_named("t", name, term->length), phase = is_named("phase", name, term->length);
-    if (is_named("pi", name, term->length))
-        return saltus_graph_constant(b->graph, 3.14159265358979323846);
-    if (is_named("speed", name, term->length))
-        return b->restituting ? saltus_graph_leaf(b->graph, SALTUS_OP_SPEED, -1)
-                              : refuse(b, term, "speed: the closing speed belongs to a restitution r");
-    if (!time && !phase)
-        return -1;
-    if (!b->text->forcing)
-        return refuse(b, term, "%.*s: the system has no forcing; name its angular frequency under forcing",
-                      term->length, name);
-    return saltus_graph_leaf(b->graph, time ? SALTUS_OP_TIME : SALTUS_OP_PHASE, -1);
+    return ((int *)known_of->items)[number];
 }
 
 static int state_of(builder *b, const saltus_expression_term *term, const char *name) {
     for (int kind = 0; kind < 2; kind++) {
         int number;
-        const quantity *q = find_quantity(kind ? &b->states : &b->displacements, name, term->length, &number);
+        const quantity *q = find_quantity(&b->kinds[kind], name, term->length, &number);
         if (!q)
             continue;
         if (kind && term->rate)
@@ -295,7 +275,7 @@ static int state_of(builder *b, const saltus_expression_term *term, const char *
 static int refuse_name(builder *b, const saltus_expression_term *term, const char *name) {
     const saltus_parsed_text *t = b->text;
     const int room =
-        t->parameter_count + t->constant_count + t->let.count + b->displacements.count + b->states.count;
+        t->parameter_count + t->constant_count + t->let.count + b->kinds[0].count + b->kinds[1].count;
     const char **words = scratch(b, (size_t)room, sizeof *words);
     char word[SALTUS_NAME_MAX];
     int count = 0;
@@ -307,10 +287,9 @@ static int refuse_name(builder *b, const saltus_expression_term *term, const cha
         words[count++] = t->constants[k].name;
     for (int k = 0; k < t->let.count; k++)
         words[count++] = t->let.items[k].base;
-    for (int k = 0; k < b->displacements.count; k++)
-        words[count++] = b->displacements.items[k].name;
-    for (int k = 0; k < b->states.count; k++)
-        words[count++] = b->states.items[k].name;
+    for (int kind = 0; kind < 2; kind++)
+        for (int k = 0; k < b->kinds[kind].count; k++)
+            words[count++] = b->kinds[kind].items[k].name;
     snprintf(word, sizeof word, "%.*s", term->length, name);
     const char *meant = saltus_nearest_word(word, words, count);
     return refuse(b, term, "%.*s: nothing has this name%s%s%s", term->length, name,
@@ -330,36 +309,24 @@ static int name_of(builder *b, const saltus_expression_term *term) {
         if (is_named(b->text->parameters[k].name, name, term->length))
             node = b->text->parameters[k].integer ? saltus_graph_constant(b->graph, b->parameters[k])
                                                   : saltus_graph_leaf(b->graph, SALTUS_OP_PARAMETER, k);
-    if (node < 0)
-        node = leaf_of(b, term, name);
+    if (node < 0 && is_named("pi", name, term->length))
+        node = saltus_graph_constant(b->graph, 3.14159265358979323846);
+    if (node < 0 && is_named("speed", name, term->length))
+        node = b->restituting ? saltus_graph_leaf(b->graph, SALTUS_OP_SPEED, -1)
+                              : refuse(b, term, "speed: the closing speed belongs to a restitution r");
+    const bool time = is_named("t", name, term->length);
+    if (node < 0 && (time || is_named("phase", name, term->length)))
+        node =
+            b->text->forcing
+                ? saltus_graph_leaf(b->graph, time ? SALTUS_OP_TIME : SALTUS_OP_PHASE, -1)
+                : refuse(b, term, "%.*s: the system has no forcing; name its angular frequency under forcing",
+                         term->length, name);
     for (int k = 0; k < b->text->constant_count && node < 0; k++)
         if (is_named(b->text->constants[k].name, name, term->length))
             node = constant_of(b, term, &b->text->constants[k]);
     if (node < 0)
         node = let_of(b, term, name);
     return node < 0 ? refuse_name(b, term, name) : node;
-}
-
-/* The value of a comparison of two constants; -1 if they are not constants. */
-static int decided(const builder *b, saltus_syntax kind, int x, int y) {
-    const saltus_graph_node *p = &b->graph->nodes[x], *q = &b->graph->nodes[y];
-    if (p->operation != SALTUS_OP_CONSTANT || q->operation != SALTUS_OP_CONSTANT)
-        return -1;
-    double u = p->value, v = q->value;
-    switch (kind) {
-    case SALTUS_SYNTAX_LESS:
-        return u < v;
-    case SALTUS_SYNTAX_LESS_EQUAL:
-        return u <= v;
-    case SALTUS_SYNTAX_GREATER:
-        return u > v;
-    case SALTUS_SYNTAX_GREATER_EQUAL:
-        return u >= v;
-    case SALTUS_SYNTAX_EQUAL:
-        return u == v;
-    default:
-        return u != v;
-    }
 }
 
 static bool switches(builder *b, const saltus_expression_term *term, int node) {
@@ -371,26 +338,31 @@ static bool switches(builder *b, const saltus_expression_term *term, int node) {
 
 /* if(a < b, yes, no). If constants decide, the other branch is not even read. */
 static int choice_of(builder *b, const saltus_expression_term *term) {
+    static const saltus_operation choices[] = {[SALTUS_SYNTAX_LESS] = SALTUS_OP_CHOOSE_LESS,
+                                               [SALTUS_SYNTAX_LESS_EQUAL] = SALTUS_OP_CHOOSE_LESS_EQUAL,
+                                               [SALTUS_SYNTAX_GREATER] = SALTUS_OP_CHOOSE_LESS,
+                                               [SALTUS_SYNTAX_GREATER_EQUAL] = SALTUS_OP_CHOOSE_LESS_EQUAL,
+                                               [SALTUS_SYNTAX_EQUAL] = SALTUS_OP_CHOOSE_EQUAL,
+                                               [SALTUS_SYNTAX_UNEQUAL] = SALTUS_OP_CHOOSE_EQUAL};
     const saltus_expression_term *terms = b->equation->right.terms, *test = &terms[term->first];
     int x = node_of(b, test->first), y = node_of(b, terms[test->first].next);
-    int yes = test->next, no = terms[yes].next;
-    if (b->status != SALTUS_OK)
-        return 0;
-    int known = decided(b, test->kind, x, y);
-    if (known >= 0)
-        return node_of(b, known ? yes : no);
-    if (!switches(b, term, x) || !switches(b, term, y))
-        return 0;
-    int first = node_of(b, yes), second = node_of(b, no);
-    const bool equal = test->kind == SALTUS_SYNTAX_EQUAL || test->kind == SALTUS_SYNTAX_UNEQUAL;
-    const bool strict = test->kind == SALTUS_SYNTAX_LESS || test->kind == SALTUS_SYNTAX_GREATER;
+    const int yes = test->next, no = terms[yes].next;
     const bool turned = test->kind == SALTUS_SYNTAX_GREATER || test->kind == SALTUS_SYNTAX_GREATER_EQUAL;
     const bool exchanged = test->kind == SALTUS_SYNTAX_UNEQUAL;
-    return saltus_graph_choose(b->graph,
-                               equal    ? SALTUS_OP_CHOOSE_EQUAL
-                               : strict ? SALTUS_OP_CHOOSE_LESS
-                                        : SALTUS_OP_CHOOSE_LESS_EQUAL,
-                               turned ? y : x, turned ? x : y, exchanged ? second : first,
+    if (turned) {
+        const int other = x;
+        x = y;
+        y = other;
+    }
+    const saltus_graph_node *p = &b->graph->nodes[x], *q = &b->graph->nodes[y];
+    if (b->status == SALTUS_OK && p->operation == SALTUS_OP_CONSTANT && q->operation == SALTUS_OP_CONSTANT) {
+        const double operand[] = {p->value, q->value, !exchanged, exchanged};
+        return node_of(b, saltus_operation_value(choices[test->kind], operand) != 0 ? yes : no);
+    }
+    if (!switches(b, term, x) || !switches(b, term, y))
+        return 0;
+    const int first = node_of(b, yes), second = node_of(b, no);
+    return saltus_graph_choose(b->graph, choices[test->kind], x, y, exchanged ? second : first,
                                exchanged ? first : second);
 }
 
@@ -584,8 +556,8 @@ static void read_mass(builder *b, const saltus_parsed *e, int *mass, bool *given
         return;
     }
     bool found = false;
-    for (int k = 0; k < b->displacements.count; k++) {
-        const quantity *q = &b->displacements.items[k];
+    for (int k = 0; k < b->kinds[0].count; k++) {
+        const quantity *q = &b->kinds[0].items[k];
         for (int j = 0; j < (q->count ? q->count : 1) && b->status == SALTUS_OK; j++) {
             const int i = q->first + j;
             const bool same = strcmp(q->name, e->base) == 0, family = e->index[0] && same;
@@ -660,24 +632,13 @@ static bool make_row(builder *b, int node, int *row) {
     return constant;
 }
 
-/* Read an observed quantity and its row, if it is a sum of displacements. */
-static void read_observed(builder *b, const saltus_parsed *e, saltus_observed_nodes *made) {
-    made->row = keep(b, (size_t)b->made->dof, sizeof *made->row);
-    made->node = right_side(b, e, 0);
-    b->equation = e;
-    if (b->status == SALTUS_OK && b->graph->nodes[made->node].depends & SALTUS_OF_SPEED)
-        refuse(b, NULL, "speed: the closing speed belongs to a restitution r");
-    made->sum = b->status == SALTUS_OK && make_row(b, made->node, made->row);
-    b->equation = NULL;
-}
-
 /* Read a stop's coordinate, which must be linear in the displacements with factors of parameters alone. */
 static void read_coordinate(builder *b, const saltus_parsed *e, saltus_stop_nodes *made) {
     const int n = b->made->dof;
     made->normal = keep(b, (size_t)n, sizeof *made->normal);
-    int coordinate = right_side(b, e, 0), rest = coordinate;
     b->equation = e;
-    if (b->status == SALTUS_OK && b->graph->nodes[coordinate].depends & SALTUS_OF_TIME)
+    int coordinate = right_side(b, e, 0), rest = coordinate;
+    if (b->graph->nodes[coordinate].depends & SALTUS_OF_TIME)
         refuse(b, NULL, "a coordinate that moves in time is not possible yet");
     if (b->status == SALTUS_OK && !make_row(b, coordinate, made->normal))
         refuse(b, NULL, "a coordinate that is not linear in the displacements is not possible yet");
@@ -690,7 +651,6 @@ static void read_coordinate(builder *b, const saltus_parsed *e, saltus_stop_node
     b->at_rest = true;
     made->offset = right_side(b, e, 0);
     b->at_rest = false;
-    b->equation = e;
     /* Without the terms of the displacements only the constant must be left. */
     double *values = scratch(b, (size_t)b->graph->count, sizeof *values), state[SALTUS_STATE_MAX];
     if (!values)
@@ -764,26 +724,19 @@ static void read_by_state(builder *b, const saltus_parsed_list *list, bool initi
     }
 }
 
-/* Collect all nodes that a part's roots consist of. */
-static void fill_part(builder *b, saltus_graph_part *part) {
+/* Make a part of roots and all nodes that they consist of. */
+static void make_part(builder *b, saltus_graph_part *part, const int *roots, int count) {
     bool *needed = scratch(b, (size_t)b->graph->count, sizeof *needed);
+    part->roots = keep(b, (size_t)count, sizeof *roots);
     part->nodes = keep(b, (size_t)b->graph->count, sizeof *part->nodes);
     if (b->status != SALTUS_OK)
         return;
-    saltus_graph_mark(b->graph, part->roots, part->root_count, NULL, needed);
+    memcpy(part->roots, roots, (size_t)count * sizeof *roots);
+    part->root_count = count;
+    saltus_graph_mark(b->graph, roots, count, NULL, needed);
     for (int k = 0; k < b->graph->count; k++)
         if (needed[k])
             part->nodes[part->count++] = k;
-}
-
-/* Make a part with one root. */
-static void make_part(builder *b, saltus_graph_part *part, int root) {
-    part->roots = keep(b, 1, sizeof *part->roots);
-    if (b->status != SALTUS_OK)
-        return;
-    part->roots[0] = root;
-    part->root_count = 1;
-    fill_part(b, part);
 }
 
 /* The trace: the sum of the derivatives of each rate by its own velocity or state. */
@@ -797,31 +750,30 @@ static void add_trace(builder *b) {
         saltus_graph_differentiate(b->graph, leaf, count, ~0u, NULL, derivatives);
         trace = apply(b, SALTUS_OP_ADD, trace, derivatives[b->made->field[i]]);
     }
-    make_part(b, &b->made->trace, trace);
+    make_part(b, &b->made->trace, &trace, 1);
 }
 
-/* Whether an operation has no value for some operands. Poles do not count: steps shrink before them. */
-static bool is_partial(const saltus_graph *g, const saltus_graph_node *n) {
-    const saltus_graph_node *exponent = n->operation == SALTUS_OP_POWER ? &g->nodes[n->operand[1]] : NULL;
-    if (exponent)
-        return exponent->operation != SALTUS_OP_CONSTANT || exponent->value != floor(exponent->value);
-    return n->operation == SALTUS_OP_SQRT || n->operation == SALTUS_OP_LOG ||
-           n->operation == SALTUS_OP_ASIN || n->operation == SALTUS_OP_ACOS;
-}
-
-/* Find the terms of the field that have no value at some states. */
+/* Find the terms of the field that have no value at some states. Poles do not count: steps shrink before
+ * them. */
 static void find_partial(builder *b) {
     const saltus_graph *g = b->graph;
-    saltus_graph_part *part = &b->made->partial;
     bool *field = scratch(b, (size_t)g->count, sizeof *field);
-    part->roots = keep(b, (size_t)g->count, sizeof *part->roots);
+    int *roots = scratch(b, (size_t)g->count, sizeof *roots), count = 0;
     if (b->status != SALTUS_OK)
         return;
     saltus_graph_mark(g, b->made->field, b->made->dof + b->made->extra, NULL, field);
-    for (int k = 0; k < g->count; k++)
-        if (field[k] && is_partial(g, &g->nodes[k]) && depends_beyond(b, k, SALTUS_OF_PARAMETERS))
-            part->roots[part->root_count++] = k;
-    fill_part(b, part);
+    for (int k = 0; k < g->count; k++) {
+        const saltus_operation operation = g->nodes[k].operation;
+        bool partial = operation == SALTUS_OP_SQRT || operation == SALTUS_OP_LOG ||
+                       operation == SALTUS_OP_ASIN || operation == SALTUS_OP_ACOS;
+        if (operation == SALTUS_OP_POWER) {
+            const saltus_graph_node *exponent = &g->nodes[g->nodes[k].operand[1]];
+            partial = exponent->operation != SALTUS_OP_CONSTANT || exponent->value != floor(exponent->value);
+        }
+        if (field[k] && partial && depends_beyond(b, k, SALTUS_OF_PARAMETERS))
+            roots[count++] = k;
+    }
+    make_part(b, &b->made->partial, roots, count);
 }
 
 /* Derivatives of all nodes of parameters by each parameter; the tape differentiates those of states. */
@@ -839,16 +791,6 @@ static void add_derivatives(builder *b) {
     }
 }
 
-/* Read the expression whose zeros are the section. */
-static void read_zero(builder *b, const saltus_parsed *e) {
-    const int zero = right_side(b, e, 0);
-    b->equation = e;
-    if (b->status == SALTUS_OK && !depends_beyond(b, zero, SALTUS_OF_PARAMETERS | SALTUS_OF_TIME))
-        refuse(b, NULL, "must depend on the state");
-    b->equation = NULL;
-    make_part(b, &b->made->zero, zero);
-}
-
 /* Determine the sizes and allocate the arrays. */
 static void open_graph(builder *b) {
     const saltus_parsed_text *text = b->text;
@@ -860,8 +802,8 @@ static void open_graph(builder *b) {
     if (b->status != SALTUS_OK || no_memory(b, saltus_graph_open(b->graph) ? b : NULL))
         return;
     memcpy(made->parameters, b->parameters, parameters * sizeof *made->parameters);
-    made->dof = lay_out(b, &text->motion, &b->displacements);
-    made->extra = lay_out(b, &text->states, &b->states);
+    made->dof = lay_out(b, &text->motion, &b->kinds[0]);
+    made->extra = lay_out(b, &text->states, &b->kinds[1]);
     const int n = made->dof, dimension = 2 * n + made->extra;
     if (b->status == SALTUS_OK && (n > SALTUS_MODES_MAX || dimension > SALTUS_STATE_MAX))
         refuse(
@@ -889,21 +831,32 @@ static void build(builder *b) {
     if (b->status != SALTUS_OK)
         return;
     const int n = made->dof, all = n + made->extra;
-    read_members(b, &text->motion, &b->displacements, 0);
-    read_members(b, &text->states, &b->states, n);
+    read_members(b, &text->motion, &b->kinds[0], 0);
+    read_members(b, &text->states, &b->kinds[1], n);
     if (b->status == SALTUS_OK)
         divide_by_mass(b);
     for (int s = 0; s < made->stop_count && b->status == SALTUS_OK; s++) {
         read_stop(b, s);
         saltus_text_release(&b->scratch);
     }
-    b->equation = NULL;
+    /* Observed quantities, and the rows of those that are sums of displacements. */
     for (int k = 0; k < made->observed_count && b->status == SALTUS_OK; k++) {
-        read_observed(b, &text->observe.items[k], &made->observed[k]);
+        saltus_observed_nodes *own = &made->observed[k];
+        b->equation = &text->observe.items[k];
+        own->row = keep(b, (size_t)n, sizeof *own->row);
+        own->node = right_side(b, b->equation, 0);
+        if (b->graph->nodes[own->node].depends & SALTUS_OF_SPEED)
+            refuse(b, NULL, "speed: the closing speed belongs to a restitution r");
+        own->sum = b->status == SALTUS_OK && make_row(b, own->node, own->row);
         saltus_text_release(&b->scratch);
     }
-    if (b->status == SALTUS_OK && text->zero.count)
-        read_zero(b, &text->zero.items[0]);
+    if (b->status == SALTUS_OK && text->zero.count) { /* the expression whose zeros are the section */
+        b->equation = &text->zero.items[0];
+        const int zero = right_side(b, b->equation, 0);
+        if (!depends_beyond(b, zero, SALTUS_OF_PARAMETERS | SALTUS_OF_TIME))
+            refuse(b, NULL, "must depend on the state");
+        make_part(b, &made->zero, &zero, 1);
+    }
     read_by_state(b, &text->scale, false);
     read_by_state(b, &text->initial, true);
     b->equation = NULL;
@@ -933,7 +886,7 @@ saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const d
     b.graph = &b.made->graph;
     build(&b);
     for (int k = 0; b.known && k < text->let.count; k++)
-        free(b.known[k].node);
+        free(b.known[k].items);
     free(b.divisions.items);
     saltus_text_release(&b.scratch);
     if (b.status != SALTUS_OK) {

@@ -107,26 +107,18 @@ static void put_sum(printer *p, int node) {
 }
 
 static void put_call(printer *p, const saltus_graph_node *n) {
-    int function = 0;
-    while (saltus_function_operation((saltus_function)function) != n->operation)
+    static const char *const comparisons[] = {" < ", " <= ", " == "};
+    const int chosen =
+        (int)n->operation - SALTUS_OP_CHOOSE_LESS; /* by which comparison; negative: no choice */
+    int function = chosen < 0 ? 0 : SALTUS_FUNCTION_if;
+    while (chosen < 0 && saltus_function_operation((saltus_function)function) != n->operation)
         function++;
     fprintf(p->file, "%s(", saltus_function_name((saltus_function)function));
     for (int k = 0; k < saltus_operation_operands(n->operation); k++) {
-        fputs(k ? ", " : "", p->file);
+        fputs(k == 0 ? "" : k == 1 && chosen >= 0 ? comparisons[chosen] : ", ", p->file);
         put_node(p, n->operand[k], of_sum);
     }
     fputc(')', p->file);
-}
-
-static void put_choice(printer *p, const saltus_graph_node *n) {
-    const char *comparison = n->operation == SALTUS_OP_CHOOSE_LESS         ? " < "
-                             : n->operation == SALTUS_OP_CHOOSE_LESS_EQUAL ? " <= "
-                                                                           : " == ";
-    fputs("if(", p->file);
-    for (int k = 0; k < 4; k++) {
-        put_node(p, n->operand[k], of_sum);
-        fputs(k == 0 ? comparison : k < 3 ? ", " : ")", p->file);
-    }
 }
 
 /* The binding strength of a node. */
@@ -148,53 +140,47 @@ static int strength(const saltus_graph *g, int node) {
     }
 }
 
-static void put_inside(printer *p, int node) {
-    const saltus_graph_node n = p->graph->nodes[node];
-    switch (n.operation) {
-    case SALTUS_OP_CONSTANT:
-        put_number(p, n.value);
-        return;
-    case SALTUS_OP_PARAMETER:
-        fputs(p->parameters[n.index].name, p->file);
-        return;
-    case SALTUS_OP_STATE:
-        fputs(p->states[n.index].text, p->file);
-        return;
-    case SALTUS_OP_TIME:
-    case SALTUS_OP_PHASE:
-        fputs(n.operation == SALTUS_OP_TIME ? "t" : "phase", p->file);
-        return;
-    case SALTUS_OP_SPEED:
-        fputs("speed", p->file);
-        return;
-    case SALTUS_OP_ADD:
-    case SALTUS_OP_SUBTRACT:
-    case SALTUS_OP_MULTIPLY:
-        put_sum(p, node);
-        return;
-    case SALTUS_OP_DIVIDE:
-        put_node(p, n.operand[0], of_product);
-        fputc('/', p->file);
-        put_node(p, n.operand[1], of_product + 1);
-        return;
-    case SALTUS_OP_POWER:
-        put_node(p, n.operand[0], of_power + 1);
-        fputc('^', p->file);
-        put_node(p, n.operand[1], of_power + 1);
-        return;
-    default:
-        (n.operation >= SALTUS_OP_CHOOSE_LESS ? put_choice : put_call)(p, &n);
-    }
-}
-
 static void put_node(printer *p, int node, int within) {
-    bool wrapped = strength(p->graph, node) < within;
+    const saltus_graph_node n = p->graph->nodes[node];
+    const bool wrapped = strength(p->graph, node) < within, power = n.operation == SALTUS_OP_POWER;
     if (p->left-- <= 0) {
         fputs("...", p->file);
         return;
     }
     fputs(wrapped ? "(" : "", p->file);
-    put_inside(p, node);
+    switch (n.operation) {
+    case SALTUS_OP_CONSTANT:
+        put_number(p, n.value);
+        break;
+    case SALTUS_OP_PARAMETER:
+        fputs(p->parameters[n.index].name, p->file);
+        break;
+    case SALTUS_OP_STATE:
+        fputs(p->states[n.index].text, p->file);
+        break;
+    case SALTUS_OP_TIME:
+        fputs("t", p->file);
+        break;
+    case SALTUS_OP_PHASE:
+        fputs("phase", p->file);
+        break;
+    case SALTUS_OP_SPEED:
+        fputs("speed", p->file);
+        break;
+    case SALTUS_OP_ADD:
+    case SALTUS_OP_SUBTRACT:
+    case SALTUS_OP_MULTIPLY:
+        put_sum(p, node);
+        break;
+    case SALTUS_OP_DIVIDE:
+    case SALTUS_OP_POWER:
+        put_node(p, n.operand[0], power ? of_power + 1 : of_product);
+        fputc(power ? '^' : '/', p->file);
+        put_node(p, n.operand[1], power ? of_power + 1 : of_product + 1);
+        break;
+    default:
+        put_call(p, &n);
+    }
     fputs(wrapped ? ")" : "", p->file);
 }
 
@@ -203,16 +189,10 @@ char *saltus_graph_text(const saltus_graph *graph, int node, const saltus_parame
     char *text = NULL;
     size_t length;
     FILE *file = open_memstream(&text, &length);
-    if (!file)
-        return NULL;
     printer p = {file, graph, parameters, states, nodes_max};
-    put_node(&p, node, of_sum);
-    bool good = !ferror(file);
-    if (fclose(file) != 0 || !good) {
-        free(text);
-        return NULL;
-    }
-    return text;
+    if (file)
+        put_node(&p, node, of_sum);
+    return saltus_close_text(file, &text);
 }
 
 /* Distance of an operation from where it has no value, relative to the size of its operands: 0 there,
@@ -264,17 +244,15 @@ int saltus_graph_fault(const saltus_graph *graph, const int *roots, int root_cou
             sound = sound && isfinite(values[n->operand[j]]);
         if (!needed[k] || !sound || saltus_operation_operands(n->operation) == 0)
             continue;
-        double distance = nearness(graph, n, values, sizes, &which);
-        if (!isfinite(values[k])) {
-            found = k;
-            *operand = which;
-            break;
-        }
-        if (distance <= best) {
+        const double distance = nearness(graph, n, values, sizes, &which);
+        const bool lost = !isfinite(values[k]);
+        if (lost || distance <= best) {
             best = distance;
             found = k;
             *operand = which;
         }
+        if (lost)
+            break;
     }
     free(needed);
     free(sizes);
