@@ -13,13 +13,16 @@
 enum { total_max = 64 }; /* most elements that are summed side by side */
 enum { pack_max = 8 };   /* elements of the widest pack, to which rows of a single trajectory are padded */
 
-/* Position of a register. */
+/* A register: its position, and what it is for. */
 typedef struct home {
     int row, element; /* row -1: none yet */
     int level;
     int newness;             /* the higher, the later coefficient k becomes known; 0: an order before, as for
                                 displacements */
     unsigned long long kind; /* kind of the step that computes it; steps of equal kinds share a row */
+    bool delicate;           /* may be infinite or NaN; shares no row */
+    bool accelerates;        /* an acceleration */
+    bool used;               /* an operand of some step */
 } home;
 
 typedef struct arranger {
@@ -29,26 +32,22 @@ typedef struct arranger {
     int *first;                 /* [row][2]: position of each row for both widths */
     int *members, member_count; /* steps of the row that is being made */
     int rows;
-    bool *delicate; /* [register]: may be infinite or NaN; shares no row */
-    bool *accelerates;
     bool choices;
-    bool *used;                          /* [register]: an operand of some step */
     int *stamps, stamp;                  /* marks of columns and diagonals visited */
     int reach;                           /* above the number of elements of any row */
     saltus_list made, terms, weights[2]; /* rows, their terms, slots of their weights */
     bool failed;
 } arranger;
 
-static void add_slot(arranger *m, int width, int slot) {
-    int *entry = saltus_list_grow(&m->weights[width], sizeof *entry, &m->failed);
-    if (entry)
-        *entry = slot;
+/* Append a copy of an entry. */
+static void push(arranger *m, saltus_list *list, const void *entry, size_t size) {
+    void *copy = saltus_list_grow(list, size, &m->failed);
+    if (copy)
+        memcpy(copy, entry, size);
 }
 
-static void add_term(arranger *m, saltus_tape_row_term term) {
-    saltus_tape_row_term *entry = saltus_list_grow(&m->terms, sizeof *entry, &m->failed);
-    if (entry)
-        *entry = term;
+static void add_slot(arranger *m, int width, int slot) {
+    push(m, &m->weights[width], &slot, sizeof slot);
 }
 
 static int padded(int count) {
@@ -93,7 +92,7 @@ static int needs(const saltus_tape_steps *steps, const saltus_tape_step *s, int 
 
 /* Whether a step is a combination that only the tape's outputs use. */
 static bool is_last(const arranger *m, const saltus_tape_step *s) {
-    return s->code == SALTUS_TAPE_COMBINE && !m->used[s->out];
+    return s->code == SALTUS_TAPE_COMBINE && !m->homes[s->out].used;
 }
 
 static unsigned long long mix(unsigned long long x) {
@@ -106,11 +105,12 @@ static unsigned long long mix(unsigned long long x) {
  * collision would cost time, nothing else. */
 static unsigned long long kind_of(const arranger *m, const saltus_tape_step *s) {
     const saltus_tape_steps *steps = m->steps;
-    bool alone = s->code == SALTUS_TAPE_FUNCTION || s->code == SALTUS_TAPE_CHOOSE || m->delicate[s->out];
+    bool alone =
+        s->code == SALTUS_TAPE_FUNCTION || s->code == SALTUS_TAPE_CHOOSE || m->homes[s->out].delicate;
     unsigned long long rows = 0;
     for (int k = 0, place; (place = needs(steps, s, k)) != -2 && !alone; k++) {
         bool before = is_last(m, s);
-        alone = place >= 0 && m->delicate[place];
+        alone = place >= 0 && m->homes[place].delicate;
         for (int j = 0; j < k && !before; j++) {
             int other = needs(steps, s, j);
             before = place < 0 ? other < 0 : other >= 0 && m->homes[other].row == m->homes[place].row;
@@ -120,14 +120,8 @@ static unsigned long long kind_of(const arranger *m, const saltus_tape_step *s) 
     }
     return alone ? 0
                  : mix(rows + mix((unsigned long long)s->code * 64 + s->depends * 4 + s->linear * 2u +
-                                  m->accelerates[s->out])) |
+                                  m->homes[s->out].accelerates)) |
                        1;
-}
-
-static void add_made(arranger *m, saltus_tape_row row) {
-    saltus_tape_row *entry = saltus_list_grow(&m->made, sizeof *entry, &m->failed);
-    if (entry)
-        *entry = row;
 }
 
 static const saltus_tape_step *member(const arranger *m, int e) {
@@ -154,9 +148,11 @@ static saltus_tape_operand collect_operand(arranger *m, bool second, int level) 
                               .level = level,
                               .out = operand_at(m, row, 0, false, depends),
                               .first = m->terms.count};
-    for (int e = 0; e < count; e++)
-        add_term(m, operand_of(m, second ? member(m, e)->b : member(m, e)->a, true));
-    add_made(m, gather);
+    for (int e = 0; e < count; e++) {
+        const saltus_tape_row_term term = operand_of(m, second ? member(m, e)->b : member(m, e)->a, true);
+        push(m, &m->terms, &term, sizeof term);
+    }
+    push(m, &m->made, &gather, sizeof gather);
     return gather.out;
 }
 
@@ -216,7 +212,7 @@ static void add_terms(arranger *m, incidence *block, int count, int members, boo
                 slots[block[j].element] = block[j].slot;
                 made.depends |= block[j].depends;
             }
-        add_term(m, made);
+        push(m, &m->terms, &made, sizeof made);
         for (int e = 0; e < members; e++)
             *sparse = *sparse || slots[e] < 0;
         for (int width = 0; width < 2; width++)
@@ -226,26 +222,18 @@ static void add_terms(arranger *m, incidence *block, int count, int members, boo
     }
 }
 
-/* Number of elements that a single combination sums side by side; 1: too few terms for that. */
-static int total_elements(const arranger *m) {
-    const saltus_tape_step *s = member(m, 0);
-    int elements = 1;
-    for (int j = 0; j < s->count && m->member_count == 1 && s->count >= 4; j++) {
-        const int from = m->steps->terms[s->first + j].from;
-        if (from >= 0 && m->homes[from].element >= elements)
-            elements = m->homes[from].element + 1;
-    }
-    return m->choices || elements > total_max ? 1 : elements;
-}
-
 static void add_combinations(arranger *m, saltus_tape_row *row) {
     const saltus_tape_steps *steps = m->steps;
-    int count = 0, k = 0;
+    int count = 0, k = 0, beside = 1; /* elements that a single combination sums side by side */
     for (int e = 0; e < m->member_count; e++)
         count += member(m, e)->count;
     incidence *list = calloc((size_t)count + 1, sizeof *list);
-    const int beside = total_elements(m);
-    if (beside > 1) {
+    for (int j = 0; j < count && m->member_count == 1 && count >= 4; j++) {
+        const int from = steps->terms[member(m, 0)->first + j].from;
+        if (from >= 0 && m->homes[from].element >= beside)
+            beside = m->homes[from].element + 1;
+    }
+    if (beside > 1 && beside <= total_max && !m->choices) {
         row->code = SALTUS_TAPE_TOTAL;
         row->count = beside;
     }
@@ -325,7 +313,7 @@ static void add_members(arranger *m, int level) {
     for (int e = 0; e < m->member_count; e++)
         settle(m, member(m, e)->out, place, e, level, early ? 0 : level + 1);
     row.out = operand_at(m, place, 0, false, s->depends);
-    add_made(m, row);
+    push(m, &m->made, &row, sizeof row);
 }
 
 /* Set the operands of functions once all registers have places, since their derivatives may come later. Sine
@@ -365,11 +353,11 @@ static void mark_used(arranger *m) {
         const saltus_tape_step *s = &steps->items[k];
         for (int j = 0, place; (place = needs(steps, s, j)) != -2; j++)
             if (place >= 0)
-                m->used[place] = true;
+                m->homes[place].used = true;
         if (s->code == SALTUS_TAPE_FUNCTION)
-            m->used[s->b] = true;
+            m->homes[s->b].used = true;
         if (s->code == SALTUS_TAPE_FUNCTION && s->a2 >= 0)
-            m->used[s->b2] = true;
+            m->homes[s->b2].used = true;
     }
 }
 
@@ -402,10 +390,10 @@ static void mark_delicate(arranger *m) {
                        (s->code == SALTUS_TAPE_FUNCTION && s->function != SALTUS_OP_SIN &&
                         s->function != SALTUS_OP_COS);
             for (int j = 0, place; (place = needs(steps, s, j)) != -2; j++)
-                own = own || (place >= 0 && m->delicate[place]);
-            if (s->code == SALTUS_TAPE_CHOOSE || !own || m->delicate[s->out])
+                own = own || (place >= 0 && m->homes[place].delicate);
+            if (s->code == SALTUS_TAPE_CHOOSE || !own || m->homes[s->out].delicate)
                 continue;
-            m->delicate[s->out] = changed = true;
+            m->homes[s->out].delicate = changed = true;
         }
     }
 }
@@ -500,14 +488,6 @@ static void find_outputs(arranger *m, int dof) {
             tape->output_row = false;
 }
 
-/* The number of rows that depend on no state; they come first. */
-static int count_steady(const saltus_tape *tape) {
-    int count = 0;
-    while (count < tape->row_count && !(tape->rows[count].out.depends & SALTUS_OF_STATES))
-        count++;
-    return count;
-}
-
 /* Fill a tape with rows made of steps. False: no memory. */
 static bool arrange(saltus_tape *tape, const saltus_tape_steps *steps, int dof) {
     const size_t registers = (size_t)steps->registers + 1, count = (size_t)steps->count + 1;
@@ -519,21 +499,17 @@ static bool arrange(saltus_tape *tape, const saltus_tape_steps *steps, int dof) 
                   /* leaves; a row and two gatherings per step */
                   .first = calloc(2 * (3 * count + 8), sizeof *m.first),
                   .members = calloc(count, sizeof *m.members),
-                  .delicate = calloc(registers, sizeof *m.delicate),
-                  .accelerates = calloc(registers, sizeof *m.accelerates),
-                  .used = calloc(registers, sizeof *m.used),
                   .stamps = calloc(3 * (size_t)reach, sizeof *m.stamps)};
     bool *done = calloc(count, sizeof *done);
     int levels = 0;
     tape->output_count = steps->output_count;
     tape->outputs = calloc((size_t)tape->output_count + 1, sizeof *tape->outputs);
-    m.failed = !m.homes || !m.first || !m.members || !m.delicate || !m.accelerates || !m.used || !m.stamps ||
-               !done || !tape->outputs;
+    m.failed = !m.homes || !m.first || !m.members || !m.stamps || !done || !tape->outputs;
     if (!m.failed) {
         /* Terms on diagonals reach over the ends of their rows, with zero weights. */
         tape->elements[0] = padded(reach) + pack_max;
         for (int i = 0; i < dof; i++)
-            m.accelerates[steps->outputs[i]] = true;
+            m.homes[steps->outputs[i]].accelerates = true;
         for (int k = 0; k < steps->registers; k++)
             m.homes[k].row = -1;
         place_leaves(&m, dof);
@@ -552,7 +528,9 @@ static bool arrange(saltus_tape *tape, const saltus_tape_steps *steps, int dof) 
     }
     tape->rows = m.made.items;
     tape->row_count = m.made.count;
-    tape->steady_rows = count_steady(tape);
+    while (tape->steady_rows < tape->row_count &&
+           !(tape->rows[tape->steady_rows].out.depends & SALTUS_OF_STATES))
+        tape->steady_rows++;
     tape->row_terms = m.terms.items;
     tape->row_term_count = m.terms.count;
     for (int width = 0; width < 2; width++) {
@@ -562,9 +540,6 @@ static bool arrange(saltus_tape *tape, const saltus_tape_steps *steps, int dof) 
     free(m.homes);
     free(m.first);
     free(m.members);
-    free(m.delicate);
-    free(m.accelerates);
-    free(m.used);
     free(m.stamps);
     free(done);
     return !m.failed;
@@ -611,16 +586,6 @@ static bool same_operands(const saltus_tape_operand *a, const saltus_tape_operan
     return same;
 }
 
-static bool same_rows(const saltus_tape_row *a, const saltus_tape_row *b) {
-    const saltus_tape_operand of_a[] = {a->out, a->a, a->b, a->a2, a->b2},
-                              of_b[] = {b->out, b->a, b->b, b->a2, b->b2};
-    return a->code == b->code && a->function == b->function && a->count == b->count && a->sign == b->sign &&
-           a->linear == b->linear && a->paired == b->paired && a->turned == b->turned &&
-           a->sparse == b->sparse && a->first == b->first && a->terms == b->terms &&
-           a->numbers == b->numbers && a->spread_terms == b->spread_terms && a->weight[0] == b->weight[0] &&
-           a->weight[1] == b->weight[1] && same_operands(of_a, of_b, 5);
-}
-
 /* The members not compared follow from the rows. */
 bool saltus_tape_equal(const saltus_tape *a, const saltus_tape *b) {
     bool same = a->row_count == b->row_count && a->row_term_count == b->row_term_count &&
@@ -629,8 +594,16 @@ bool saltus_tape_equal(const saltus_tape *a, const saltus_tape *b) {
                 same_operands(&a->phase, &b->phase, 1) && same_operands(a->state, b->state, 3) &&
                 same_operands(a->outputs, b->outputs, a->output_count) &&
                 same_operands(a->row_terms, b->row_terms, a->row_term_count);
-    for (int k = 0; same && k < a->row_count; k++)
-        same = same_rows(&a->rows[k], &b->rows[k]);
+    for (int k = 0; same && k < a->row_count; k++) {
+        const saltus_tape_row *x = &a->rows[k], *y = &b->rows[k];
+        const saltus_tape_operand of_x[] = {x->out, x->a, x->b, x->a2, x->b2},
+                                  of_y[] = {y->out, y->a, y->b, y->a2, y->b2};
+        same = x->code == y->code && x->function == y->function && x->count == y->count &&
+               x->sign == y->sign && x->linear == y->linear && x->paired == y->paired &&
+               x->turned == y->turned && x->sparse == y->sparse && x->first == y->first &&
+               x->terms == y->terms && x->numbers == y->numbers && x->spread_terms == y->spread_terms &&
+               x->weight[0] == y->weight[0] && x->weight[1] == y->weight[1] && same_operands(of_x, of_y, 5);
+    }
     for (int k = 0; same && k < a->weights[1]; k++)
         same = a->weight_slot[1][k] == b->weight_slot[1][k];
     return same;

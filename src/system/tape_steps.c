@@ -25,10 +25,15 @@ typedef struct summand {
     int factor, node;
 } summand;
 
+/* Append a copy of an entry. */
+static void push(maker *m, saltus_list *list, const void *entry, size_t size) {
+    void *copy = saltus_list_grow(list, size, &m->failed);
+    if (copy)
+        memcpy(copy, entry, size);
+}
+
 static void add_summand(maker *m, saltus_list *sum, summand s) {
-    summand *entry = saltus_list_grow(sum, sizeof *entry, &m->failed);
-    if (entry)
-        *entry = s;
+    push(m, sum, &s, sizeof s);
 }
 
 /* Enlarge the arrays after nodes were added to the graph. False after a failure. */
@@ -72,23 +77,16 @@ static int slot_of(maker *m, int node) {
     if (!follow_graph(m))
         return 0;
     if (m->slot_of[node] < 0) {
-        int *slot = saltus_list_grow(&m->slots, sizeof *slot, &m->failed);
-        if (!slot)
-            return 0;
-        *slot = node;
-        m->slot_of[node] = m->slots.count - 1;
+        m->slot_of[node] = m->slots.count;
+        push(m, &m->slots, &node, sizeof node);
     }
     return m->slot_of[node];
 }
 
 static int new_register(maker *m, unsigned depends, bool linear) {
-    unsigned *entry = saltus_list_grow(&m->depends, sizeof *entry, &m->failed);
-    bool *flag = saltus_list_grow(&m->linear, sizeof *flag, &m->failed);
-    if (!entry || !flag)
-        return 0;
-    *entry = depends;
-    *flag = linear;
-    return m->depends.count - 1;
+    push(m, &m->depends, &depends, sizeof depends);
+    push(m, &m->linear, &linear, sizeof linear);
+    return m->failed ? 0 : m->depends.count - 1;
 }
 
 static bool is_linear(const maker *m, int place) {
@@ -98,10 +96,7 @@ static bool is_linear(const maker *m, int place) {
 static int add_step(maker *m, saltus_tape_step step) {
     if (step.out < 0)
         step.out = new_register(m, step.depends, step.code == SALTUS_TAPE_COMBINE && step.linear);
-    saltus_tape_step *entry = saltus_list_grow(&m->steps, sizeof *entry, &m->failed);
-    if (!entry)
-        return 0;
-    *entry = step;
+    push(m, &m->steps, &step, sizeof step);
     return step.out;
 }
 
@@ -246,15 +241,15 @@ static summand share_sum(maker *m, saltus_list *terms) {
     int node = 0;
     qsort(s, (size_t)count, sizeof *s, by_node);
     for (int k = 0; k < count; k++) {
-        part *own = saltus_list_grow(&m->parts, sizeof *own, &m->failed);
-        if (!own)
-            return (summand){0, 0};
-        own->node = s[k].node;
-        own->constant = take_constant(m, s[k].factor, &own->factor);
-        if (k == 0 && own->constant != 0)
-            scale = own->constant;
-        own->constant /= scale;
+        part own = {.node = s[k].node};
+        own.constant = take_constant(m, s[k].factor, &own.factor);
+        if (k == 0 && own.constant != 0)
+            scale = own.constant;
+        own.constant /= scale;
+        push(m, &m->parts, &own, sizeof own);
     }
+    if (m->failed)
+        return (summand){0, 0};
     const part *parts = m->parts.items;
     for (int k = 0; k < m->sums.count; k++) {
         const shared_sum *other = (shared_sum *)m->sums.items + k;
@@ -274,9 +269,7 @@ static summand share_sum(maker *m, saltus_list *terms) {
             apply(m, SALTUS_OP_MULTIPLY, constant(m, parts[first + k].constant), parts[first + k].factor);
         node = apply(m, SALTUS_OP_ADD, node, apply(m, SALTUS_OP_MULTIPLY, factor, s[k].node));
     }
-    shared_sum *entry = saltus_list_grow(&m->sums, sizeof *entry, &m->failed);
-    if (entry)
-        *entry = (shared_sum){first, count, node};
+    push(m, &m->sums, &(shared_sum){first, count, node}, sizeof(shared_sum));
     return (summand){constant(m, scale), node};
 }
 
@@ -380,10 +373,9 @@ static int combine(maker *m, int node) {
                              .depends = node_at(m, node)->depends,
                              .linear = true};
     for (int k = 0; k < sum.count && !m->failed; k++) {
-        summand s = ((summand *)sum.items)[k];
-        saltus_tape_term *term = saltus_list_grow(&m->terms, sizeof *term, &m->failed);
-        if (term)
-            *term = (saltus_tape_term){slot_of(m, s.factor), s.node < 0 ? -1 : register_of(m, s.node)};
+        const summand s = ((summand *)sum.items)[k];
+        const saltus_tape_term term = {slot_of(m, s.factor), s.node < 0 ? -1 : register_of(m, s.node)};
+        push(m, &m->terms, &term, sizeof term);
         step.linear = step.linear && (s.node < 0 || (!m->failed && is_linear(m, m->place[s.node])));
     }
     free(sum.items);
@@ -487,22 +479,6 @@ static int register_of(maker *m, int node) {
     return m->failed ? 0 : m->place[node];
 }
 
-static void count_uses(maker *m, const int *roots, int root_count) {
-    bool *needed = calloc((size_t)m->graph->count, sizeof *needed);
-    if (!needed || !follow_graph(m)) {
-        m->failed = true;
-        free(needed);
-        return;
-    }
-    saltus_graph_mark(m->graph, roots, root_count, NULL, needed);
-    for (int k = 0; k < m->graph->count; k++)
-        for (int j = 0; needed[k] && j < saltus_operation_operands(m->graph->nodes[k].operation); j++)
-            m->uses[m->graph->nodes[k].operand[j]]++;
-    for (int k = 0; k < root_count; k++)
-        m->uses[roots[k]]++;
-    free(needed);
-}
-
 bool saltus_tape_steps_make(saltus_tape_steps *made, saltus_graph *graph, const int *roots, int root_count,
                             int dof, int states) {
     *made = (saltus_tape_steps){.time = -1,
@@ -511,11 +487,21 @@ bool saltus_tape_steps_make(saltus_tape_steps *made, saltus_graph *graph, const 
                                 .state_register = malloc((size_t)(states + 1) * sizeof(int)),
                                 .output_count = root_count,
                                 .outputs = malloc((size_t)(root_count + 1) * sizeof(int))};
-    maker m = {.graph = graph, .made = made, .dof = dof, .failed = !made->state_register || !made->outputs};
+    bool *needed = calloc((size_t)graph->count, sizeof *needed);
+    maker m = {.graph = graph,
+               .made = made,
+               .dof = dof,
+               .failed = !needed || !made->state_register || !made->outputs};
     for (int i = 0; i < states && !m.failed; i++)
         made->state_register[i] = -1;
-    if (!m.failed)
-        count_uses(&m, roots, root_count);
+    if (follow_graph(&m))
+        saltus_graph_mark(graph, roots, root_count, NULL, needed);
+    for (int k = 0; k < graph->count && !m.failed; k++)
+        for (int j = 0; needed[k] && j < saltus_operation_operands(graph->nodes[k].operation); j++)
+            m.uses[graph->nodes[k].operand[j]]++;
+    for (int k = 0; k < root_count && !m.failed; k++)
+        m.uses[roots[k]]++;
+    free(needed);
     for (int k = 0; k < root_count && !m.failed; k++)
         made->outputs[k] = register_of(&m, roots[k]);
     made->items = m.steps.items;
