@@ -106,13 +106,10 @@ static void build_contacts(saltus_system *system) {
     for (int s = 0; s < system->spec.stop_count; s++) {
         const saltus_stop *stop = &system->spec.stops[s];
         const double *normal = system->stop_normal[s];
-        double *impulse = system->stop_impulse[s], compliance = 0;
-        for (int i = 0; i < n; i++) {
-            impulse[i] = 0;
-            for (int j = 0; j < n; j++)
-                impulse[i] += system->inverse_mass[i * n + j] * normal[j];
-            compliance += normal[i] * impulse[i];
-        }
+        double *impulse = system->stop_impulse[s];
+        for (int i = 0; i < n; i++)
+            impulse[i] = saltus_dot(system->inverse_mass + i * n, normal, n);
+        const double compliance = saltus_dot(normal, impulse, n);
         for (int i = 0; i < n; i++)
             impulse[i] /= compliance;
         const double size = saltus_dot(normal, normal, n);
@@ -130,12 +127,7 @@ static void build_contacts(saltus_system *system) {
 
 /* The factor f with n_a = f n_b, or 0 when the two normals are not parallel. */
 static double parallel(const double *a, const double *b, int n) {
-    double aa = 0, ab = 0, bb = 0;
-    for (int i = 0; i < n; i++) {
-        aa += a[i] * a[i];
-        ab += a[i] * b[i];
-        bb += b[i] * b[i];
-    }
+    const double aa = saltus_dot(a, a, n), ab = saltus_dot(a, b, n), bb = saltus_dot(b, b, n);
     return ab * ab > (1 - 1e-12) * aa * bb ? ab / bb : 0;
 }
 

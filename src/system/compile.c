@@ -221,14 +221,6 @@ static bool take_turn(const toolchain *w, turn *t) {
     return false;
 }
 
-/* Give a place back that no compiler has got. */
-static void leave_turn(const turn *t) {
-    if (t->file < 0)
-        return;
-    unlink(t->path);
-    close(t->file);
-}
-
 /* Runs in a process of its own: call the compiler and move its output into place. It shares only the end of a
  * pipe and its turn's lock with the run: other open files would stay open, and locked, as long as it lives.
  * Between fork and exec only async-signal-safe functions may be called. */
@@ -272,33 +264,25 @@ static void run_compiler(char *const *words, int source, const char *made, const
     _exit(told == 1 ? 0 : 1);
 }
 
-/* Build the compiler's command line. `flags` is split in place; `words` points into all arguments. */
-static void make_words(char *words[words_max], char *compiler, char *flags, char *made) {
-    static const char *const rest[] = {"-x", "c", "-", "-o"};
-    int count = 0;
-    words[count++] = compiler;
-    for (int k = 0; k < option_count; k++)
-        words[count++] = (char *)(size_t)options[k];
-    for (char *next = flags, *flag; (flag = strtok_r(next, " ", &next)) && count < words_max - 6;)
-        words[count++] = flag;
-    for (int k = 0; k < 4; k++)
-        words[count++] = (char *)(size_t)rest[k];
-    words[count++] = made;
-    words[count] = NULL;
-}
-
 /* Start the compiler; returns the pipe end that will tell its outcome, or -1. A double fork hides its process
  * from whoever waits for children of this program. Signals wait until it has a session of its own. */
 static int start(toolchain *w, const char *flags, const char *source, const char *path, const turn *t) {
-    char made[path_max + name_max], own[256], *words[words_max];
-    int told[2], file = keep_source(w, source);
+    static const char *const rest[] = {"-x", "c", "-", "-o"};
+    char made[path_max + name_max], own[256], *words[words_max] = {w->compiler};
+    int told[2], file = keep_source(w, source), count = 1;
     struct timespec now;
     sigset_t all, before;
     clock_gettime(CLOCK_REALTIME, &now);
     snprintf(made, sizeof made, "%s.%lx.%lx", path, (unsigned long)getpid(),
              (unsigned long)now.tv_sec * 1000000000UL + (unsigned long)now.tv_nsec);
     snprintf(own, sizeof own, "%s", flags);
-    make_words(words, w->compiler, own, made);
+    for (int k = 0; k < option_count; k++)
+        words[count++] = (char *)(size_t)options[k];
+    for (char *next = own, *flag; (flag = strtok_r(next, " ", &next)) && count < words_max - 6;)
+        words[count++] = flag;
+    for (int k = 0; k < 4; k++)
+        words[count++] = (char *)(size_t)rest[k];
+    words[count] = made;
     if (file < 0 || pipe(told) != 0) {
         if (file >= 0)
             close(file);
@@ -369,9 +353,10 @@ static progress advance(saltus_compiled *c, progress now, saltus_compile_source 
         c->outcome = start(&w, c->shape.flags, source, c->path, &own);
     }
     free(source);
-    if (c->outcome < 0)
-        leave_turn(&own);
-    else if (own.file >= 0)
+    /* Give the place back if no compiler has got it. */
+    if (own.file >= 0 && c->outcome < 0)
+        unlink(own.path);
+    if (own.file >= 0)
         close(own.file);
     return c->outcome >= 0 ? progress_runs : progress_over;
 }

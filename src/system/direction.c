@@ -1,5 +1,6 @@
 /* Directions in parameter space, and the derivative of a system along a direction.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/dense.h"
 #include "system/system.h"
 
 #include <math.h>
@@ -142,13 +143,11 @@ static void vary_impulse(const saltus_variation *variation, const saltus_system 
     const double *normal = system->stop_normal[stop], *tilt = variation->normal[stop];
     double *impulse = variation->impulse[stop], compliance = 0, change = 0;
     for (int i = 0; i < n; i++) {
-        double response = 0;
+        const double response = saltus_dot(system->inverse_mass + i * n, normal, n);
         impulse[i] = 0;
-        for (int j = 0; j < n; j++) {
-            response += system->inverse_mass[i * n + j] * normal[j];
+        for (int j = 0; j < n; j++)
             impulse[i] +=
                 variation->inverse_mass[i * n + j] * normal[j] + system->inverse_mass[i * n + j] * tilt[j];
-        }
         compliance += normal[i] * response;
         change += tilt[i] * response + normal[i] * impulse[i];
     }

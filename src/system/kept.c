@@ -19,21 +19,6 @@ typedef struct entry {
     time_t used; /* modification time: when made or last used, to a day */
 } entry;
 
-static bool is_key(const char *name) {
-    return strspn(name, "0123456789abcdef") == key_length && name[key_length] == '-';
-}
-
-static bool is_function(const char *name) {
-    const size_t length = strlen(name);
-    return is_key(name) && length > 3 && strcmp(name + length - 3, ".so") == 0;
-}
-
-/* Temporary files: a compiler's unfinished output, its source, its turn. */
-static bool is_passing(const char *name) {
-    return (is_key(name) && strstr(name, ".so.")) || strncmp(name, "source.", 7) == 0 ||
-           strncmp(name, "busy.", 5) == 0;
-}
-
 static int latest_first(const void *a, const void *b) {
     const entry *one = a, *other = b;
     return one->used != other->used ? (one->used < other->used) - (one->used > other->used)
@@ -46,16 +31,22 @@ void saltus_kept_trim(const char *folder) {
     saltus_list functions = {.items = NULL};
     struct stat s;
     for (const struct dirent *d; all && (d = readdir(all));) {
-        const bool function = is_function(d->d_name);
-        if (strlen(d->d_name) >= name_max || !(function || is_passing(d->d_name)) ||
-            fstatat(dirfd(all), d->d_name, &s, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(s.st_mode))
+        const char *name = d->d_name;
+        const size_t length = strlen(name);
+        const bool keyed = strspn(name, "0123456789abcdef") == key_length && name[key_length] == '-';
+        const bool function = keyed && strcmp(name + length - 3, ".so") == 0;
+        /* Temporary files: a compiler's unfinished output, its source, its turn. */
+        const bool passing = (keyed && strstr(name, ".so.")) || strncmp(name, "source.", 7) == 0 ||
+                             strncmp(name, "busy.", 5) == 0;
+        if (length >= name_max || !(function || passing) ||
+            fstatat(dirfd(all), name, &s, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(s.st_mode))
             continue;
         entry *own = function ? saltus_list_add(&functions, sizeof *own) : NULL;
         if (own) {
-            strcpy(own->name, d->d_name);
+            strcpy(own->name, name);
             own->used = s.st_mtime;
         } else if (!function && now - s.st_mtime > day)
-            unlinkat(dirfd(all), d->d_name, 0);
+            unlinkat(dirfd(all), name, 0);
     }
     entry *kept = functions.items;
     if (functions.count > 0)

@@ -83,48 +83,15 @@ static void observe_entry(saltus_system *system, int i) {
         system->observer.name = system->observer.entry.text;
 }
 
-/* What is observed if the scene does not say. */
-static void observe_default(saltus_system *system) {
-    const saltus_model *model = system->spec.model;
-    if (saltus_system_observable_count(system) > 0 &&
-        model->observable_row(system, 0, system->observer.row)) {
-        system->observer.name = saltus_system_observable_name(system, 0);
-        system->observer.quantity = 0;
-    } else if (system->spec.stop_count > 0)
-        observe_stop(system, 0);
-    else if (model->notation.structure == SALTUS_STRUCTURE_LINE)
-        observe_place(system, 0.5);
-    else if (system->dof > 0)
-        observe_entry(system, 0);
-}
-
-/* Refuse a name and list what could be observed. */
-static saltus_status refuse_observer(const saltus_system *system, saltus_fault fault,
-                                     saltus_message *message) {
-    const int stops = system->spec.stop_count, quantities = saltus_system_observable_count(system);
-    char names[SALTUS_NAMES_MAX], stop[48] = "", observed[200] = "";
-    if (stops)
-        snprintf(stop, sizeof stop, ", stops (%s%d)", stops > 1 ? "stop1 to stop" : "stop", stops);
-    for (int k = 0; k < quantities; k++) {
-        const size_t used = strlen(observed);
-        snprintf(observed + used, sizeof observed - used, "%s%s", k ? ", " : ", quantities of the scene (",
-                 saltus_system_observable_name(system, k));
-    }
-    return saltus_fail_at(
-        message, SALTUS_BAD_INPUT, fault, "observe = %s: must be one of the displacements (%s)%s%s%s%s",
-        system->spec.observe, saltus_system_list_names(system, system->dof, names), stop, observed,
-        quantities ? ")" : "",
-        system->spec.model->notation.structure == SALTUS_STRUCTURE_LINE ? ", places on the line (0 < xi < 1)"
-                                                                        : "");
-}
-
-/* Choose by name: an observed quantity of a text, stop2, a displacement, or a place on a line. */
+/* Choose by name: an observed quantity of a text, stop2, a displacement, or a place on a line. A name that is
+ * none of these is refused with a list of what could be observed. */
 static saltus_status observe_named(saltus_system *system, const char *name, saltus_message *message) {
     const saltus_model *model = system->spec.model;
     const saltus_fault fault = {.key = "observe"};
     char *end;
     int number;
-    const int quantity = saltus_system_observable_index(system, name);
+    const int quantity = saltus_system_observable_index(system, name), stops = system->spec.stop_count;
+    const bool line = model->notation.structure == SALTUS_STRUCTURE_LINE;
     if (quantity >= 0) {
         system->observer.name = name;
         system->observer.quantity = quantity;
@@ -135,26 +102,50 @@ static saltus_status observe_named(saltus_system *system, const char *name, salt
     }
     const int entry = saltus_system_state_index(system, name);
     const double xi = strtod(name, &end);
-    if (saltus_key_numbered(name, "stop", &number) && number > 0 && number <= system->spec.stop_count)
+    if (saltus_key_numbered(name, "stop", &number) && number > 0 && number <= stops) {
         observe_stop(system, number - 1);
-    else if (entry >= 0 && entry < system->dof)
+        return SALTUS_OK;
+    }
+    if (entry >= 0 && entry < system->dof) {
         observe_entry(system, entry);
-    else if (model->notation.structure == SALTUS_STRUCTURE_LINE && *end == '\0' && xi > 0 && xi < 1)
+        return SALTUS_OK;
+    }
+    if (line && *end == '\0' && xi > 0 && xi < 1) {
         observe_place(system, xi);
-    else
-        return refuse_observer(system, fault, message);
-    return SALTUS_OK;
+        return SALTUS_OK;
+    }
+    char names[SALTUS_NAMES_MAX], stop[48] = "", observed[200] = "";
+    if (stops)
+        snprintf(stop, sizeof stop, ", stops (%s%d)", stops > 1 ? "stop1 to stop" : "stop", stops);
+    const int quantities = saltus_system_observable_count(system);
+    for (int k = 0; k < quantities; k++) {
+        const size_t used = strlen(observed);
+        snprintf(observed + used, sizeof observed - used, "%s%s", k ? ", " : ", quantities of the scene (",
+                 saltus_system_observable_name(system, k));
+    }
+    return saltus_fail_at(message, SALTUS_BAD_INPUT, fault,
+                          "observe = %s: must be one of the displacements (%s)%s%s%s%s", name,
+                          saltus_system_list_names(system, system->dof, names), stop, observed,
+                          quantities ? ")" : "", line ? ", places on the line (0 < xi < 1)" : "");
 }
 
 saltus_status saltus_observer_choose(saltus_system *system, saltus_message *message) {
+    const saltus_model *model = system->spec.model;
     saltus_observer *o = &system->observer;
     saltus_status status = SALTUS_OK;
     o->stop = o->quantity = -1;
     o->place = NAN;
     if (system->spec.observe[0])
         status = observe_named(system, system->spec.observe, message);
-    else
-        observe_default(system);
+    else if (saltus_system_observable_count(system) > 0 && model->observable_row(system, 0, o->row)) {
+        o->name = saltus_system_observable_name(system, 0);
+        o->quantity = 0;
+    } else if (system->spec.stop_count > 0)
+        observe_stop(system, 0);
+    else if (model->notation.structure == SALTUS_STRUCTURE_LINE)
+        observe_place(system, 0.5);
+    else if (system->dof > 0)
+        observe_entry(system, 0);
     while (o->first < system->spec.stop_count && !saltus_system_stop_observed(system, o->first))
         o->first++;
     return status;

@@ -5,6 +5,7 @@
 
 #include <gsl/gsl_math.h>
 #include <math.h>
+#include <string.h>
 
 enum { p_N, p_alpha, p_beta, p_kappa, p_u0, p_sigma, p_omega };
 
@@ -73,15 +74,6 @@ static void fill_linear(saltus_system *system, double velocity) {
     }
 }
 
-/* Stability limits Taylor steps to a few / drag. Collocation resolves only motion that lasts (the forcing,
- * and motions about twice as fast as the first mode), and one of its steps costs the more Taylor steps the
- * more modes there are. Impacts, which both must resolve, hardly change which is faster (`saltus_bench
- * --cost-only` measures both). */
-static double ratio_of(const saltus_system *system, double drag) {
-    const double lasting = fmax(system->forced ? system->omega : 0, 2 * M_PI * M_PI);
-    return drag / (10 * system->dof * lasting);
-}
-
 static void build(saltus_system *system) {
     const double *p = system->spec.parameters;
     saltus_coefficients *c = &system->coefficients;
@@ -89,12 +81,9 @@ static void build(saltus_system *system) {
     c->terms = (p[p_sigma] != 0 && p[p_u0] != 0 ? SALTUS_TERM_FORCED : 0) |
                (p[p_kappa] != 0 ? SALTUS_TERM_CUBIC : 0) |
                (system->dof > 1 && p[p_beta] != 0 && p[p_u0] != 0 ? SALTUS_TERM_COUPLED : 0);
-    c->scalar[pipe_alpha] = p[p_alpha];
+    /* The scalars are the parameters from alpha on, in their order, but for the root of beta. */
+    memcpy(c->scalar, p + p_alpha, (pipe_omega + 1) * sizeof *p);
     c->scalar[pipe_root_beta] = sqrt(p[p_beta]);
-    c->scalar[pipe_kappa] = p[p_kappa];
-    c->scalar[pipe_u0] = p[p_u0];
-    c->scalar[pipe_sigma] = p[p_sigma];
-    c->scalar[pipe_omega] = p[p_omega];
     for (int i = 0; i < system->dof; i++) {
         double lambda2 = gsl_pow_2((i + 1) * M_PI), lambda4 = lambda2 * lambda2;
         c->row[pipe_lambda2][i] = lambda2;
@@ -112,7 +101,12 @@ static void build(saltus_system *system) {
     system->decay = drag;
     system->rate = fmax(sqrt(top), drag) + 2 * c->scalar[pipe_root_beta] * velocity * system->dof;
     system->forced = c->terms & SALTUS_TERM_FORCED;
-    system->stiffness_ratio = ratio_of(system, drag);
+    /* Stability limits Taylor steps to a few / drag. Collocation resolves only motion that lasts (the
+     * forcing, and motions about twice as fast as the first mode), and one of its steps costs the more Taylor
+     * steps the more modes there are. Impacts, which both must resolve, hardly change which is faster
+     * (`saltus_bench --cost-only` measures both). */
+    const double lasting = fmax(system->forced ? system->omega : 0, 2 * M_PI * M_PI);
+    system->stiffness_ratio = drag / (10 * system->dof * lasting);
     system->mirror = true;
     system->mirror_shift = false;
 }
@@ -122,12 +116,8 @@ static void vary(const saltus_system *system, const saltus_direction *direction,
     const double *rate = direction->parameter, root_beta = system->coefficients.scalar[pipe_root_beta];
     saltus_coefficients *c = &variation->coefficients;
     c->terms = rate[p_kappa] != 0 ? SALTUS_TERM_CUBIC : 0;
-    c->scalar[pipe_alpha] = rate[p_alpha];
+    memcpy(c->scalar, rate + p_alpha, (pipe_omega + 1) * sizeof *rate);
     c->scalar[pipe_root_beta] = rate[p_beta] != 0 ? rate[p_beta] / (2 * root_beta) : 0;
-    c->scalar[pipe_kappa] = rate[p_kappa];
-    c->scalar[pipe_u0] = rate[p_u0];
-    c->scalar[pipe_sigma] = rate[p_sigma];
-    c->scalar[pipe_omega] = rate[p_omega];
     for (int i = 0; i < system->dof; i++)
         c->row[pipe_damping][i] = rate[p_alpha] * system->stiffness[i];
 }

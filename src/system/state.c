@@ -42,9 +42,7 @@ void saltus_state_admit(const saltus_system *system, double *state) {
 
 /* Remove the component of a displacement or velocity along a normal. */
 static void project(const double *normal, int dof, double *vector) {
-    double along = 0, square = saltus_dot(normal, normal, dof);
-    for (int i = 0; i < dof; i++)
-        along += normal[i] * vector[i];
+    const double along = saltus_dot(normal, vector, dof), square = saltus_dot(normal, normal, dof);
     for (int i = 0; i < dof; i++)
         vector[i] -= along / square * normal[i];
 }

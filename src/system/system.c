@@ -327,14 +327,16 @@ static double face_reach(const saltus_system *system, int face) {
 
 /* Find a small displacement: move it along the impulse of the most violated face until it keeps a margin from
  * all faces. The margin shrinks, for stops that leave little room. */
-static saltus_status find_state(const saltus_system *system, double *state, saltus_message *message) {
+saltus_status saltus_system_default_state(const saltus_system *system, double *state,
+                                          saltus_message *message) {
     enum { corrections = 2000 };
     memset(state, 0, (size_t)system->dimension * sizeof *state);
     state[0] = 0.2 * system->scale[0];
     if (system->dof > 1)
         state[1] = 0.1 * system->scale[1];
     double margin = 0.05 * system->scale[0];
-    for (int k = 0; k < corrections; k++) {
+    int left = corrections;
+    for (; left > 0; left--, margin *= 0.99) {
         int worst = -1;
         double largest = -margin;
         for (int f = 0; f < system->face_count; f++) {
@@ -345,23 +347,18 @@ static saltus_status find_state(const saltus_system *system, double *state, salt
             }
         }
         if (worst < 0)
-            return SALTUS_OK;
+            break;
         saltus_face face = system->faces[worst];
         double excess = saltus_system_gap(system, worst, state) + 1.5 * margin * face_reach(system, worst);
         for (int i = 0; i < system->dof; i++)
             state[i] -= face.side * excess * system->stop_impulse[face.stop][i];
-        margin *= 0.99;
     }
-    return saltus_fail(
-        message, SALTUS_BAD_INPUT,
-        "the stops contradict each other: no displacement satisfies all clearances; give another d");
-}
-
-saltus_status saltus_system_default_state(const saltus_system *system, double *state,
-                                          saltus_message *message) {
-    saltus_status status = find_state(system, state, message);
-    if (status != SALTUS_OK || !system->spec.model->start)
-        return status;
+    if (left == 0)
+        return saltus_fail(
+            message, SALTUS_BAD_INPUT,
+            "the stops contradict each other: no displacement satisfies all clearances; give another d");
+    if (!system->spec.model->start)
+        return SALTUS_OK;
     system->spec.model->start(system, state);
     return saltus_system_check_state(system, state, message);
 }
