@@ -83,13 +83,13 @@ saltus_status saltus_node_fail(const saltus_source *source, const saltus_node *n
     return SALTUS_BAD_INPUT;
 }
 
-/* Refuse the text as a whole, with a cause that callers check. */
-static saltus_status fail_because(const builder *b, saltus_cause cause, int line, const char *sentence) {
-    saltus_status status =
-        saltus_source_fail(b->source, line, SALTUS_BAD_INPUT, sentence, b->source->language);
+/* Refuse a second document, with a cause that callers check. */
+static saltus_status fail_several(const builder *b, int line, const char *complaint) {
+    saltus_source_fail(b->source, line, SALTUS_BAD_INPUT, "holds more than one %s document%s",
+                       b->source->language, complaint);
     if (b->source->message)
-        b->source->message->cause = cause;
-    return status;
+        b->source->message->cause = SALTUS_CAUSE_SEVERAL;
+    return SALTUS_BAD_INPUT;
 }
 
 static saltus_status no_memory(const builder *b) {
@@ -268,8 +268,7 @@ static saltus_status fail_syntax(const builder *b) {
     }
     int line = line_of(p->problem_mark);
     if (b->complete && p->error == YAML_PARSER_ERROR)
-        return fail_because(b, SALTUS_CAUSE_SEVERAL, line,
-                            "holds more than one %s document: what stands here does not belong to the first");
+        return fail_several(b, line, ": what stands here does not belong to the first");
     size_t place = byte_of(b, p->problem_mark);
     explain_syntax(b, place, &line, what, sizeof what);
     saltus_status status = saltus_source_fail(b->source, line, SALTUS_BAD_INPUT,
@@ -356,10 +355,7 @@ static saltus_status take_event(builder *b, const yaml_event_t *event) {
     int line = line_of(event->start_mark);
     switch (event->type) {
     case YAML_DOCUMENT_START_EVENT:
-        if (b->complete)
-            return fail_because(b, SALTUS_CAUSE_SEVERAL, line,
-                                "holds more than one %s document; keep one in a file");
-        return SALTUS_OK;
+        return b->complete ? fail_several(b, line, "; keep one in a file") : SALTUS_OK;
     case YAML_DOCUMENT_END_EVENT:
         b->complete = true;
         return SALTUS_OK;

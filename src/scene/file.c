@@ -8,8 +8,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { largest_file = 1 << 20 };
-
 static saltus_status fail_to_open(const char *source, int error, saltus_message *message) {
     const saltus_source place = {.origin = source, .message = message};
     if (error == EISDIR)
@@ -41,22 +39,20 @@ saltus_status saltus_read_file(const char *path, char **text, size_t *length, sa
     const saltus_source place = {.origin = path, .message = message};
     struct stat info;
     *text = NULL;
-    if (stat(path, &info) != 0)
-        return fail_to_open(path, errno, message);
-    if (S_ISDIR(info.st_mode))
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
         return fail_to_open(path, EISDIR, message);
     FILE *file = fopen(path, "rb");
     if (!file)
         return fail_to_open(path, errno, message);
     /* Reading one byte more than allowed detects files that are too large, even if the size is unknown. */
-    *text = malloc(largest_file + 1);
-    *length = *text ? fread(*text, 1, largest_file + 1, file) : 0;
+    *text = malloc(SALTUS_SCENE_BYTES_MAX + 1);
+    *length = *text ? fread(*text, 1, SALTUS_SCENE_BYTES_MAX + 1, file) : 0;
     saltus_status status = SALTUS_OK;
     if (!*text)
         status = saltus_source_fail(&place, 0, SALTUS_NO_MEMORY, "no memory for reading the scene");
     else if (ferror(file))
         status = saltus_source_fail(&place, 0, SALTUS_IO, "cannot be read (%s)", strerror(errno));
-    else if (*length > largest_file)
+    else if (*length > SALTUS_SCENE_BYTES_MAX)
         status = saltus_source_fail(&place, 0, SALTUS_BAD_INPUT, "too large for a scene (more than 1 MiB)");
     fclose(file);
     if (status != SALTUS_OK) {

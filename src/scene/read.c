@@ -19,20 +19,13 @@ static bool is_parameter(const saltus_model *model, const char *key) {
     return false;
 }
 
-static int index_of(const char *key, const char *const *keys, int count) {
-    int k = 0;
-    while (k < count && strcmp(key, keys[k]) != 0)
-        k++;
-    return k;
-}
-
 /* Refuse an unknown key in the mapping `top`; NULL: at the top level. */
 static saltus_status fail_unknown(const saltus_source *source, const saltus_node *node, const char *top,
                                   const saltus_model *model) {
     const char *keys[SALTUS_TOP_KEYS_MAX];
     saltus_quoted name = saltus_quote(node->key);
     int count = initial_lists;
-    if (!top && index_of(node->key, saltus_stop_keys, stop_keys) < stop_keys)
+    if (!top && saltus_key_index(node->key, saltus_stop_keys, stop_keys) < stop_keys)
         return saltus_node_fail(source, node, "%s: belongs to a stop; write stop: {%s: ...}", name.text,
                                 node->key);
     if (top && is_parameter(model, node->key))
@@ -58,23 +51,19 @@ static bool has_kind(const saltus_node *node, saltus_node_kind kind, saltus_node
     return fits;
 }
 
-static saltus_status fail_kind(const saltus_source *source, const saltus_node *node, const char *wanted) {
-    return saltus_node_fail(source, node, "%s: must be %s", node->key, wanted);
-}
-
 static const char single[] = "a single value, not a list or a mapping";
 
 static saltus_status check_stop(const saltus_source *source, const saltus_node *stop, const char *top,
                                 const saltus_model *model) {
     for (const saltus_node *node = stop->first; node; node = node->next) {
-        int key = index_of(node->key, saltus_stop_keys, stop_keys);
+        int key = saltus_key_index(node->key, saltus_stop_keys, stop_keys);
         if (key == stop_keys)
             return fail_unknown(source, node, top, model);
         if (key != stop_weight && node->kind != SALTUS_NODE_SCALAR)
-            return fail_kind(source, node, single);
+            return saltus_kind_fail(source, node, single);
         if (key == stop_weight &&
             !(has_kind(node, SALTUS_NODE_LIST, SALTUS_NODE_SCALAR) && node->count >= 1 && node->count <= 2))
-            return fail_kind(source, node, "a list of 1 or 2 numbers, such as [1, -1]");
+            return saltus_kind_fail(source, node, "a list of 1 or 2 numbers, such as [1, -1]");
     }
     return SALTUS_OK;
 }
@@ -82,12 +71,12 @@ static saltus_status check_stop(const saltus_source *source, const saltus_node *
 static saltus_status check_initial(const saltus_source *source, const saltus_node *initial,
                                    const saltus_model *model) {
     if (initial->kind != SALTUS_NODE_MAPPING)
-        return fail_kind(source, initial, "a mapping of lists: initial: {q: [...], v: [...]}");
+        return saltus_kind_fail(source, initial, "a mapping of lists: initial: {q: [...], v: [...]}");
     for (const saltus_node *node = initial->first; node; node = node->next) {
-        if (index_of(node->key, saltus_initial_keys, initial_lists) == initial_lists)
+        if (saltus_key_index(node->key, saltus_initial_keys, initial_lists) == initial_lists)
             return fail_unknown(source, node, "initial", model);
         if (!has_kind(node, SALTUS_NODE_LIST, SALTUS_NODE_SCALAR))
-            return fail_kind(source, node, "a list of numbers");
+            return saltus_kind_fail(source, node, "a list of numbers");
         if (node->count > SALTUS_SCENE_STATE_MAX)
             return saltus_node_fail(source, node, "%s: too many entries; at most %d are possible", node->key,
                                     SALTUS_SCENE_STATE_MAX);
@@ -101,24 +90,24 @@ static saltus_status check_keys(const saltus_source *source, const saltus_node *
     for (const saltus_node *node = root->first; node && status == SALTUS_OK; node = node->next) {
         if (strcmp(node->key, "stops") == 0) {
             if (!has_kind(node, SALTUS_NODE_LIST, SALTUS_NODE_MAPPING))
-                status = fail_kind(source, node, "a list of stops: stops: [{d: ...}, {d: ...}]");
+                status = saltus_kind_fail(source, node, "a list of stops: stops: [{d: ...}, {d: ...}]");
             else if (node->count > SALTUS_STOPS_MAX)
                 status = saltus_node_fail(source, node, "stops: too many; at most %d are possible",
                                           SALTUS_STOPS_MAX);
             for (const saltus_node *stop = node->first; stop && status == SALTUS_OK; stop = stop->next)
                 status = check_stop(source, stop, "stops", model);
         } else if (strcmp(node->key, "stop") == 0)
-            status =
-                node->kind == SALTUS_NODE_MAPPING
-                    ? check_stop(source, node, "stop", model)
-                    : fail_kind(source, node, "a mapping with the keys of a stop: stop: {d: ..., r: ...}");
+            status = node->kind == SALTUS_NODE_MAPPING
+                         ? check_stop(source, node, "stop", model)
+                         : saltus_kind_fail(source, node,
+                                            "a mapping with the keys of a stop: stop: {d: ..., r: ...}");
         else if (strcmp(node->key, "initial") == 0)
             status = model && model->text ? SALTUS_OK : check_initial(source, node, model);
         else if (strcmp(node->key, "model") == 0 && model && model->text)
             continue;
         else if (strcmp(node->key, "model") == 0 || strcmp(node->key, "title") == 0 ||
                  strcmp(node->key, "observe") == 0 || is_parameter(model, node->key))
-            status = node->kind == SALTUS_NODE_SCALAR ? SALTUS_OK : fail_kind(source, node, single);
+            status = node->kind == SALTUS_NODE_SCALAR ? SALTUS_OK : saltus_kind_fail(source, node, single);
         else if (!others)
             status = fail_unknown(source, node, NULL, model);
     }
@@ -145,20 +134,6 @@ static saltus_status read_numbers(const saltus_source *source, const saltus_node
     return status;
 }
 
-/* The model, by name or from its text, to be released; NULL if the key is absent or the name unknown. */
-static saltus_status find_model(const saltus_source *source, const saltus_node *root,
-                                const saltus_model **model) {
-    const saltus_node *node = saltus_node_member(root, "model");
-    *model = NULL;
-    if (node && node->kind == SALTUS_NODE_MAPPING)
-        return saltus_scene_read_text(source, root, source, node, model);
-    if (node && node->kind == SALTUS_NODE_SCALAR && strpbrk(node->text, "/."))
-        return saltus_scene_read_model_file(source, root, model);
-    if (node && node->kind == SALTUS_NODE_SCALAR)
-        *model = saltus_model_find(node->text);
-    return SALTUS_OK;
-}
-
 static saltus_status fail_model(const saltus_source *source, const saltus_node *root) {
     const saltus_node *node = saltus_node_member(root, "model");
     saltus_words names = {""};
@@ -178,30 +153,6 @@ static saltus_status fail_model(const saltus_source *source, const saltus_node *
     return saltus_node_fail(source, node,
                             "model = %s: unknown; the models are %s, or a mapping with equations",
                             quoted.text, names.text);
-}
-
-static saltus_status read_title(const saltus_source *source, const saltus_node *root, saltus_scene *scene) {
-    const saltus_node *node = saltus_node_member(root, "title");
-    if (!node)
-        return SALTUS_OK;
-    if (strlen(node->text) >= sizeof scene->title)
-        return saltus_node_fail(source, node, "title: too long; at most %d bytes are possible",
-                                (int)sizeof scene->title - 1);
-    for (const char *c = node->text; *c; c++)
-        if ((unsigned char)*c < 0x20 || *c == 0x7f)
-            return saltus_node_fail(source, node, "title: must be one line without control characters");
-    strcpy(scene->title, node->text);
-    return SALTUS_OK;
-}
-
-static saltus_status read_observe(const saltus_source *source, const saltus_node *root, saltus_spec *spec) {
-    const saltus_node *node = saltus_node_member(root, "observe");
-    if (!node)
-        return SALTUS_OK;
-    if (strlen(node->text) >= sizeof spec->observe)
-        return fail_value(source, node, node->key, "too long for a name");
-    strcpy(spec->observe, node->text);
-    return SALTUS_OK;
 }
 
 static saltus_status read_parameters(const saltus_source *source, const saltus_node *root,
@@ -235,7 +186,7 @@ static saltus_status read_stop(const saltus_source *source, const saltus_node *n
     }
     saltus_status status = SALTUS_OK;
     for (const saltus_node *value = node->first; value && status == SALTUS_OK; value = value->next) {
-        int key = index_of(value->key, saltus_stop_keys, stop_keys);
+        int key = saltus_key_index(value->key, saltus_stop_keys, stop_keys);
         const char *complaint = NULL;
         if (!saltus_model_has_stop_key(model, key))
             status = saltus_node_fail(source, value, "%s: a stop of the model %s is placed by %s", value->key,
@@ -292,7 +243,7 @@ static saltus_status read_initial(const saltus_source *source, const saltus_node
     int room[initial_lists] = {dof, dof, extra}, first[initial_lists] = {0, dof, 2 * dof};
     scene->initial_count = saltus_system_dimension(system);
     for (const saltus_node *list = initial->first; list; list = list->next) {
-        int k = index_of(list->key, saltus_initial_keys, initial_lists);
+        int k = saltus_key_index(list->key, saltus_initial_keys, initial_lists);
         if (list->count > room[k])
             return saltus_node_fail(source, list, "%s: too many entries (%d); the system has %d", list->key,
                                     list->count, room[k]);
@@ -314,17 +265,27 @@ static saltus_status read_scene(const saltus_source *source, const saltus_node *
     if (!model)
         return fail_model(source, root);
     made->spec = saltus_spec_defaults(model);
-    status = read_title(source, root, made);
-    if (status == SALTUS_OK)
-        status = read_parameters(source, root, made);
+    const saltus_node *title = saltus_node_member(root, "title");
+    if (title && strlen(title->text) >= sizeof made->title)
+        return saltus_node_fail(source, title, "title: too long; at most %d bytes are possible",
+                                (int)sizeof made->title - 1);
+    for (const char *c = title ? title->text : ""; *c; c++)
+        if ((unsigned char)*c < 0x20 || *c == 0x7f)
+            return saltus_node_fail(source, title, "title: must be one line without control characters");
+    if (title)
+        strcpy(made->title, title->text);
+    status = read_parameters(source, root, made);
     if (status == SALTUS_OK)
         status = read_stops(source, root, made);
-    if (status == SALTUS_OK)
-        status = read_observe(source, root, &made->spec);
+    const saltus_node *observe = saltus_node_member(root, "observe"),
+                      *initial = saltus_node_member(root, "initial");
     if (status != SALTUS_OK)
         return status;
+    if (observe && strlen(observe->text) >= sizeof made->spec.observe)
+        return fail_value(source, observe, observe->key, "too long for a name");
+    if (observe)
+        strcpy(made->spec.observe, observe->text);
 
-    const saltus_node *initial = saltus_node_member(root, "initial");
     saltus_system *system = NULL;
     saltus_message reason;
     status = saltus_system_new(&made->spec, &system, &reason);
@@ -341,13 +302,18 @@ static saltus_status read_scene(const saltus_source *source, const saltus_node *
 saltus_status saltus_scene_read(const saltus_source *source, const saltus_node *root, bool others,
                                 saltus_scene *scene) {
     saltus_scene made = {.initial_count = 0};
-    const saltus_model *model;
+    const saltus_model *model = NULL; /* by name or from its text, to be released; NULL: the key is absent */
+    saltus_status status = SALTUS_OK;
     if (root->kind != SALTUS_NODE_MAPPING)
         return saltus_source_fail(source, root->line, SALTUS_BAD_INPUT,
                                   "must be a mapping of keys to values that begins with model: pipe, say");
-    saltus_status status = find_model(source, root, &model);
     const saltus_node *name = saltus_node_member(root, "model");
-    if (status == SALTUS_OK && !model && name && name->kind == SALTUS_NODE_SCALAR && name->text[0])
+    const bool word = name && name->kind == SALTUS_NODE_SCALAR;
+    if (name && name->kind == SALTUS_NODE_MAPPING)
+        status = saltus_scene_read_text(source, root, source, name, &model);
+    else if (word && strpbrk(name->text, "/."))
+        status = saltus_scene_read_model_file(source, root, &model);
+    else if (word && name->text[0] && !(model = saltus_model_find(name->text)))
         status = fail_model(source, root);
     if (status == SALTUS_OK)
         status = read_scene(source, root, others, model, &made);

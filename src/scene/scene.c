@@ -3,14 +3,10 @@
 #include "scene/scene.h"
 #include "system/system.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-enum { largest_file = 1 << 20 };
 
 /* The file's name without folder and ending; a long name is cut between characters, not within one. */
 static void set_name(saltus_scene *scene, const char *origin) {
@@ -30,7 +26,7 @@ saltus_status saltus_scene_parse(const char *text, size_t length, const char *or
                             .language = "YAML",
                             .message = message};
     saltus_document document;
-    if (source.length > largest_file)
+    if (source.length > SALTUS_SCENE_BYTES_MAX)
         return saltus_source_fail(&source, 0, SALTUS_BAD_INPUT, "too large for a scene (more than 1 MiB)");
     saltus_status status = saltus_document_read(&source, &document);
     if (status != SALTUS_OK)

@@ -34,6 +34,7 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
 saltus_status saltus_scene_read_model_file(const saltus_source *source, const saltus_node *root,
                                            const saltus_model **model);
 
+enum { SALTUS_SCENE_BYTES_MAX = 1 << 20 };
 /* Read a whole file, at most as large as a scene may be; *text is to be freed. Errors: SALTUS_IO,
  * SALTUS_BAD_INPUT (too large), SALTUS_NO_MEMORY. */
 saltus_status saltus_read_file(const char *path, char **text, size_t *length, saltus_message *message);
@@ -68,6 +69,11 @@ typedef struct saltus_words {
 saltus_words saltus_words_of(const char *const *words, int count);
 void saltus_words_add(saltus_words *words, const char *word);
 
+/* Refuse a value that is not what is `wanted`: "a single value". */
+saltus_status saltus_kind_fail(const saltus_source *source, const saltus_node *node, const char *wanted);
+
+/* The place of a key in a list; `count`: it is not there. */
+int saltus_key_index(const char *key, const char *const *keys, int count);
 /* Refuse a key that is not among `keys`; the message names the nearest one, or all. */
 saltus_status saltus_unknown_key(const saltus_source *source, int line, const char *key,
                                  const char *const *keys, int count);

@@ -19,20 +19,6 @@ typedef struct setting {
     char value[value_size];
 } setting;
 
-static saltus_status split(const char *assignment, setting *s, saltus_message *message) {
-    saltus_quoted quoted = saltus_quote(assignment);
-    const char *equals = strchr(assignment, '=');
-    if (!equals || equals == assignment)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: must have the form key=value", quoted.text);
-    size_t key = (size_t)(equals - assignment), value = strlen(equals + 1);
-    if (key >= key_size || value >= value_size)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: too long for a setting", quoted.text);
-    memcpy(s->key, assignment, key);
-    s->key[key] = '\0';
-    memcpy(s->value, equals + 1, value + 1);
-    return SALTUS_OK;
-}
-
 static saltus_status refuse_value(const setting *s, const char *complaint, saltus_message *message) {
     saltus_quoted quoted = saltus_quote(s->value);
     return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key}, "%s = %s: %s", s->key,
@@ -127,27 +113,6 @@ static saltus_status set_stop(saltus_scene *scene, int key, int number, const se
     return status;
 }
 
-static void set_initial(saltus_scene *scene, int entry, double value) {
-    int dimension = saltus_spec_dimension(&scene->spec, NULL);
-    /* Entries that are not set stay NAN: the system's default state is known only after all settings. */
-    if (scene->initial_count == 0)
-        memset(scene->initial, 0, sizeof scene->initial);
-    for (int i = 0; i < dimension && scene->initial_count == 0; i++)
-        scene->initial[i] = NAN;
-    scene->initial_count = dimension;
-    scene->initial[entry] = value;
-}
-
-/* Refuse an entry such as q7 that the system does not have, and say how many there are. */
-static saltus_status refuse_entry(const saltus_scene *scene, int list, const setting *s,
-                                  saltus_message *message) {
-    int dof = 0, dimension = saltus_spec_dimension(&scene->spec, &dof);
-    int room = list == initial_z ? dimension - 2 * dof : dof;
-    return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
-                          "%s: the initial state has %d entr%s %s", s->key, room, room == 1 ? "y" : "ies",
-                          saltus_initial_keys[list]);
-}
-
 /* Refuse an unknown key and list all valid ones: parameters, keys of stops, and names of states of a text. */
 static saltus_status refuse_key(const saltus_scene *scene, const setting *s, saltus_message *message) {
     const saltus_model *model = scene->spec.model;
@@ -203,6 +168,7 @@ static target find_target(const saltus_scene *scene, const char *key) {
 static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message *message) {
     const target t = find_target(scene, s->key);
     const bool number = t.what == of_parameter || t.what == of_entry || t.what == of_lacking_entry;
+    int dof = 0, dimension, room;
     double value = 0;
     const char *complaint = number ? saltus_read_number(s->value, &value) : NULL;
     saltus_status status;
@@ -221,10 +187,21 @@ static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message
         strcpy(scene->spec.observe, s->value);
         return SALTUS_OK;
     case of_entry:
-        set_initial(scene, t.index, value);
+        dimension = saltus_spec_dimension(&scene->spec, NULL);
+        /* Entries that are not set stay NAN: the system's default state is known only after all settings. */
+        if (scene->initial_count == 0)
+            memset(scene->initial, 0, sizeof scene->initial);
+        for (int i = 0; i < dimension && scene->initial_count == 0; i++)
+            scene->initial[i] = NAN;
+        scene->initial_count = dimension;
+        scene->initial[t.index] = value;
         return SALTUS_OK;
-    case of_lacking_entry:
-        return refuse_entry(scene, t.index, s, message);
+    case of_lacking_entry: /* such as q7 of a system that has fewer */
+        dimension = saltus_spec_dimension(&scene->spec, &dof);
+        room = t.index == initial_z ? dimension - 2 * dof : dof;
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+                              "%s: the initial state has %d entr%s %s", s->key, room, room == 1 ? "y" : "ies",
+                              saltus_initial_keys[t.index]);
     default:
         return refuse_key(scene, s, message);
     }
@@ -263,14 +240,20 @@ saltus_status saltus_scene_set_section(saltus_scene *scene, const char *section,
 
 saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, saltus_message *message) {
     static const char section[] = "section=";
+    const saltus_quoted quoted = saltus_quote(assignment);
+    const char *equals = strchr(assignment, '=');
     saltus_scene changed = *scene;
     setting s;
     if (strncmp(assignment, section, sizeof section - 1) == 0 &&
         saltus_model_parameter_index(scene->spec.model, "section") < 0)
         return saltus_scene_set_section(scene, assignment + sizeof section - 1, message);
-    saltus_status status = split(assignment, &s, message);
-    if (status == SALTUS_OK)
-        status = apply(&changed, &s, message);
+    if (!equals || equals == assignment)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: must have the form key=value", quoted.text);
+    if (equals - assignment >= key_size || strlen(equals + 1) >= value_size)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: too long for a setting", quoted.text);
+    snprintf(s.key, sizeof s.key, "%.*s", (int)(equals - assignment), assignment);
+    strcpy(s.value, equals + 1);
+    saltus_status status = apply(&changed, &s, message);
     if (status == SALTUS_OK)
         *scene = changed;
     return status;

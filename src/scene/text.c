@@ -24,14 +24,10 @@ static saltus_status no_memory(const reading *r) {
     return saltus_source_fail(r->source, 0, SALTUS_NO_MEMORY, "no memory for the model");
 }
 
-static saltus_status wrong_kind(const reading *r, const saltus_node *node, const char *wanted) {
-    return saltus_node_fail(r->source, node, "%s: must be %s", node->key, wanted);
-}
-
 static saltus_status read_value(const reading *r, const saltus_node *node, double *value) {
     saltus_message reason = {.text = ""};
     if (node->kind != SALTUS_NODE_SCALAR)
-        return wrong_kind(r, node, "a number or an expression of numbers");
+        return saltus_kind_fail(r->source, node, "a number or an expression of numbers");
     saltus_status status = saltus_constant_value(node->text, value, &reason);
     return status == SALTUS_OK ? status
                                : saltus_source_fail(r->source, node->line, status, "%s = %s: %s",
@@ -52,20 +48,19 @@ static saltus_status read_parameter(reading *r, const saltus_node *node) {
     if (node->kind == SALTUS_NODE_SCALAR)
         return read_value(r, node, &p->fallback);
     if (node->kind != SALTUS_NODE_MAPPING)
-        return wrong_kind(r, node, "a number, or a mapping such as {default: 1, min: 0, meaning: mass}");
+        return saltus_kind_fail(r->source, node,
+                                "a number, or a mapping such as {default: 1, min: 0, meaning: mass}");
     if (!saltus_node_member(node, "default"))
         return saltus_node_fail(r->source, node, "%s: default is missing", node->key);
     for (const saltus_node *m = node->first; m && status == SALTUS_OK; m = m->next) {
-        int k = 0;
-        while (k < 5 && strcmp(m->key, keys[k]) != 0)
-            k++;
+        const int k = saltus_key_index(m->key, keys, 5);
         const bool word = m->kind == SALTUS_NODE_SCALAR;
         if (k < 3)
             status = read_value(r, m, numbers[k]);
         else if (k == 3 && word && (strcmp(m->text, "true") == 0 || strcmp(m->text, "false") == 0))
             p->integer = strcmp(m->text, "true") == 0;
         else if (k == 3)
-            status = wrong_kind(r, m, "true or false");
+            status = saltus_kind_fail(r->source, m, "true or false");
         else if (k == 4 && word)
             p->meaning = m->text;
         else
@@ -83,7 +78,7 @@ static saltus_status read_constant(reading *r, const saltus_node *node, saltus_t
     int rows = node->kind == SALTUS_NODE_LIST ? node->count : 0, columns = 0, at = 0;
     saltus_status status = SALTUS_OK;
     if (node->kind == SALTUS_NODE_MAPPING || (node->kind == SALTUS_NODE_LIST && rows == 0))
-        return wrong_kind(r, node, "a number, a vector [..] or a matrix [[..], ..]");
+        return saltus_kind_fail(r->source, node, "a number, a vector [..] or a matrix [[..], ..]");
     if (rows && node->first->kind == SALTUS_NODE_LIST)
         columns = node->first->count;
     double *values = saltus_text_keep(&r->owned, (size_t)(rows ? rows : 1) * (size_t)(columns ? columns : 1),
@@ -106,24 +101,11 @@ static saltus_status read_constant(reading *r, const saltus_node *node, saltus_t
     return status;
 }
 
-static saltus_status read_constants(reading *r, const saltus_node *node) {
-    saltus_status status = SALTUS_OK;
-    if (node->kind != SALTUS_NODE_MAPPING)
-        return wrong_kind(r, node, "a mapping of names to numbers, vectors and matrices");
-    saltus_text_constant *constants = saltus_text_keep(&r->owned, (size_t)node->count, sizeof *constants);
-    if (!constants)
-        return no_memory(r);
-    r->text.constants = constants;
-    for (const saltus_node *c = node->first; c && status == SALTUS_OK; c = c->next)
-        status = read_constant(r, c, &constants[r->text.constant_count++]);
-    return status;
-}
-
 /* Left sides mapped to right sides; entries of a mass matrix are named "x1,x2". */
 static saltus_status read_equations(reading *r, const saltus_node *node, saltus_equation_list *list) {
     int count = 0, at = 0;
     if (node->kind != SALTUS_NODE_MAPPING)
-        return wrong_kind(r, node, "a mapping of names to expressions");
+        return saltus_kind_fail(r->source, node, "a mapping of names to expressions");
     for (const saltus_node *e = node->first; e; e = e->next)
         count += e->kind == SALTUS_NODE_MAPPING ? e->count : 1;
     saltus_equation *items = saltus_text_keep(&r->owned, (size_t)count, sizeof *items);
@@ -132,12 +114,12 @@ static saltus_status read_equations(reading *r, const saltus_node *node, saltus_
     for (const saltus_node *e = node->first; e; e = e->next) {
         bool row = e->kind == SALTUS_NODE_MAPPING && strcmp(node->key, "mass") == 0;
         if (e->kind != SALTUS_NODE_SCALAR && !row)
-            return wrong_kind(r, e,
-                              "an expression; one with a comma, or that begins with *, [ or &, needs quotes");
+            return saltus_kind_fail(
+                r->source, e, "an expression; one with a comma, or that begins with *, [ or &, needs quotes");
         for (const saltus_node *entry = row ? e->first : e; entry; entry = row ? entry->next : NULL) {
             char *pair = row ? saltus_text_keep(&r->owned, strlen(e->key) + strlen(entry->key) + 1, 1) : NULL;
             if (entry->kind != SALTUS_NODE_SCALAR)
-                return wrong_kind(r, entry, "an expression");
+                return saltus_kind_fail(r->source, entry, "an expression");
             if (row && !pair)
                 return no_memory(r);
             if (row)
@@ -169,22 +151,16 @@ static saltus_status check_commas(const saltus_source *source, const saltus_node
     return status;
 }
 
-static void put_json(FILE *out, const saltus_node *node);
-
-/* Write a child as JSON, with its key if it has one. */
-static void put_child(FILE *out, const char *comma, const saltus_node *child) {
-    fputs(comma, out);
-    if (child->key) {
-        saltus_put_string(out, child->key);
-        fputs(": ", out);
-    }
-    put_json(out, child);
-}
-
-/* Write a value as JSON: numbers as they are, everything else in quotation marks. */
-static void put_json(FILE *out, const saltus_node *node) {
+/* Write a value as JSON after what is `before` it, with its key if it has one: numbers as they are,
+ * everything else in quotation marks. */
+static void put_json(FILE *out, const char *before, const saltus_node *node) {
     const char *ends = node->kind == SALTUS_NODE_LIST ? "[]" : "{}", *comma = "";
     double value;
+    fputs(before, out);
+    if (node->key) {
+        saltus_put_string(out, node->key);
+        fputs(": ", out);
+    }
     if (node->kind == SALTUS_NODE_SCALAR) {
         bool number = !node->quoted && strspn(node->text, "0123456789.eE-") == strlen(node->text) &&
                       (node->text[0] == '-' || (node->text[0] >= '0' && node->text[0] <= '9')) &&
@@ -197,7 +173,7 @@ static void put_json(FILE *out, const saltus_node *node) {
     }
     fputc(ends[0], out);
     for (const saltus_node *child = node->first; child; child = child->next, comma = ", ")
-        put_child(out, comma, child);
+        put_json(out, comma, child);
     fputc(ends[1], out);
 }
 
@@ -207,7 +183,7 @@ static void put_model(FILE *out, const reading *r, const saltus_node *model, con
     fputc('{', out);
     for (const saltus_node *child = model->first; child; child = child->next)
         if (strcmp(child->key, "contacts") != 0 && strcmp(child->key, "start") != 0) {
-            put_child(out, comma, child);
+            put_json(out, comma, child);
             comma = ", ";
         }
     for (int s = 0; s < r->text.stop_count; s++) {
@@ -224,8 +200,9 @@ static void put_model(FILE *out, const reading *r, const saltus_node *model, con
         fputs(s + 1 < r->text.stop_count ? "}" : "}]", out);
     }
     if (initial) {
-        fputs(", \"start\": ", out);
-        put_json(out, initial);
+        saltus_node start = *initial;
+        start.key = "start";
+        put_json(out, ", ", &start);
     }
     fputc('}', out);
 }
@@ -285,11 +262,12 @@ static saltus_status read_section(reading *r, const saltus_node *node) {
     if (node->kind == SALTUS_NODE_SCALAR && strcmp(node->text, "maxima") == 0)
         return SALTUS_OK;
     if (node->kind != SALTUS_NODE_MAPPING)
-        return wrong_kind(
-            r, node, "maxima, or a mapping such as {zero: x - 1, direction: up} or {impact: 1, side: upper}");
+        return saltus_kind_fail(
+            r->source, node,
+            "maxima, or a mapping such as {zero: x - 1, direction: up} or {impact: 1, side: upper}");
     for (const saltus_node *m = node->first; m && status == SALTUS_OK; m = m->next) {
         if (m->kind != SALTUS_NODE_SCALAR)
-            status = wrong_kind(r, m, "a single value");
+            status = saltus_kind_fail(r->source, m, "a single value");
         else if (strcmp(m->key, "zero") == 0) {
             section->kind = SALTUS_POINCARE_ZERO;
             r->text.zero = (saltus_equation){"section: zero", m->text, m->key_line};
@@ -318,43 +296,46 @@ static saltus_status read_section(reading *r, const saltus_node *node) {
 }
 
 static saltus_status read_key(reading *r, const saltus_node *node) {
-    static const char *const keys[] = {"parameters", "constants", "families", "let",     "motion",
-                                       "mass",       "states",    "forcing",  "observe", "scale",
-                                       "section",    "cyclic",    "drift",    "when",    "modes"};
+    enum { parameters, constants, families, forcing = 7, observe, section = 10, planned, count = 15 };
+    static const char *const keys[count] = {"parameters", "constants", "families", "let",     "motion",
+                                            "mass",       "states",    "forcing",  "observe", "scale",
+                                            "section",    "cyclic",    "drift",    "when",    "modes"};
     saltus_text *t = &r->text;
-    const struct {
-        const char *key;
-        saltus_equation_list *list;
-    } lists[] = {{"families", &t->families}, {"let", &t->let},       {"motion", &t->motion},
-                 {"mass", &t->mass},         {"states", &t->states}, {"observe", &t->observe},
-                 {"scale", &t->scale}};
-    for (size_t k = 0; k < sizeof lists / sizeof lists[0]; k++)
-        if (strcmp(node->key, lists[k].key) == 0)
-            return read_equations(r, node, lists[k].list);
-    if (strcmp(node->key, "parameters") == 0) {
-        saltus_status status = SALTUS_OK;
-        if (node->kind != SALTUS_NODE_MAPPING)
-            return wrong_kind(r, node, "a mapping of names to values");
-        for (const saltus_node *p = node->first; p && status == SALTUS_OK; p = p->next)
-            status = read_parameter(r, p);
-        return status;
-    }
-    if (strcmp(node->key, "constants") == 0)
-        return read_constants(r, node);
-    if (strcmp(node->key, "forcing") == 0) {
+    saltus_equation_list *const lists[count] = {
+        [families] = &t->families, &t->let,  &t->motion, &t->mass, &t->states,
+        [observe] = &t->observe,   &t->scale};
+    const int key = saltus_key_index(node->key, keys, count);
+    saltus_status status = SALTUS_OK;
+    if (strcmp(node->key, "contacts") == 0 || strcmp(node->key, "start") == 0)
+        return SALTUS_OK; /* only in files of results, for the scene's stops and initial state */
+    if (key == count)
+        return saltus_unknown_key(r->source, node->key_line, node->key, keys, count);
+    if (key >= planned)
+        return saltus_node_fail(r->source, node, "%s: is not possible yet", node->key);
+    if (lists[key])
+        return read_equations(r, node, lists[key]);
+    if (key == section)
+        return read_section(r, node);
+    if (key == forcing) {
         if (node->kind != SALTUS_NODE_SCALAR)
-            return wrong_kind(r, node, "the name of the parameter that is the angular frequency");
+            return saltus_kind_fail(r->source, node,
+                                    "the name of the parameter that is the angular frequency");
         t->forcing = (saltus_equation){"forcing", node->text, node->key_line};
         return SALTUS_OK;
     }
-    if (strcmp(node->key, "contacts") == 0 || strcmp(node->key, "start") == 0)
-        return SALTUS_OK; /* only in files of results, for the scene's stops and initial state */
-    if (strcmp(node->key, "section") == 0)
-        return read_section(r, node);
-    for (int k = 11; k < 15; k++)
-        if (strcmp(node->key, keys[k]) == 0)
-            return saltus_node_fail(r->source, node, "%s: is not possible yet", node->key);
-    return saltus_unknown_key(r->source, node->key_line, node->key, keys, 15);
+    if (node->kind != SALTUS_NODE_MAPPING)
+        return saltus_kind_fail(r->source, node,
+                                key == parameters ? "a mapping of names to values"
+                                                  : "a mapping of names to numbers, vectors and matrices");
+    saltus_text_constant *constant = NULL;
+    if (key == constants)
+        t->constants = constant = saltus_text_keep(&r->owned, (size_t)node->count, sizeof *constant);
+    if (key == constants && !constant)
+        return no_memory(r);
+    for (const saltus_node *m = node->first; m && status == SALTUS_OK; m = m->next)
+        status =
+            key == parameters ? read_parameter(r, m) : read_constant(r, m, &constant[t->constant_count++]);
+    return status;
 }
 
 saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_node *root,
@@ -446,26 +427,11 @@ saltus_status saltus_scene_read_model_file(const saltus_source *source, const sa
     return status;
 }
 
-/* The text of a model with another section; NULL if out of memory. */
-static char *text_with_section(const saltus_node *model, const saltus_node *section) {
-    char *text = NULL;
-    size_t length;
-    FILE *out = open_memstream(&text, &length);
-    if (!out)
-        return NULL;
-    fputs("{\"section\": ", out);
-    put_json(out, section);
-    for (const saltus_node *child = model->first; child; child = child->next)
-        if (strcmp(child->key, "section") != 0)
-            put_child(out, ", ", child);
-    fputc('}', out);
-    return saltus_close_text(out, &text);
-}
-
 saltus_status saltus_model_with_section(const saltus_model *model, const char *section,
                                         const saltus_model **made, saltus_message *message) {
     const bool bare = section[0] != '{' && strcmp(section, "maxima") != 0;
     char *wrapped = malloc(strlen(section) + 24), *text = NULL;
+    size_t length;
     saltus_document own = {.root = NULL}, chosen = {.root = NULL};
     *made = NULL;
     if (!wrapped)
@@ -483,11 +449,18 @@ saltus_status saltus_model_with_section(const saltus_model *model, const char *s
         status = check_commas(&other, chosen.root);
     if (status == SALTUS_OK)
         status = saltus_document_read(&source, &own);
-    if (status == SALTUS_OK) {
-        text = text_with_section(own.root, saltus_node_member(chosen.root, "section"));
-        status = text ? saltus_model_of_text(text, made, message)
-                      : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the model");
+    FILE *out = status == SALTUS_OK ? open_memstream(&text, &length) : NULL;
+    if (out) {
+        put_json(out, "{", saltus_node_member(chosen.root, "section"));
+        for (const saltus_node *child = own.root->first; child; child = child->next)
+            if (strcmp(child->key, "section") != 0)
+                put_json(out, ", ", child);
+        fputc('}', out);
     }
+    if (status == SALTUS_OK)
+        status = saltus_close_text(out, &text)
+                     ? saltus_model_of_text(text, made, message)
+                     : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the model");
     saltus_document_close(&own);
     saltus_document_close(&chosen);
     free(text);

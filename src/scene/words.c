@@ -14,6 +14,13 @@ enum { number_size = 256 };
 const char *const saltus_stop_keys[stop_keys] = {"xi", "d", "r", "sides", "weight", "coordinate"};
 const char *const saltus_initial_keys[initial_lists] = {"q", "v", "z"};
 
+int saltus_key_index(const char *key, const char *const *keys, int count) {
+    int k = 0;
+    while (k < count && strcmp(key, keys[k]) != 0)
+        k++;
+    return k;
+}
+
 int saltus_top_keys(const saltus_model *model, const char **keys) {
     int count = 0;
     keys[count++] = "model";
@@ -111,6 +118,10 @@ saltus_words saltus_words_of(const char *const *words, int count) {
 void saltus_words_add(saltus_words *words, const char *word) {
     size_t used = strlen(words->text);
     snprintf(words->text + used, sizeof words->text - used, "%s%s", used ? ", " : "", word);
+}
+
+saltus_status saltus_kind_fail(const saltus_source *source, const saltus_node *node, const char *wanted) {
+    return saltus_node_fail(source, node, "%s: must be %s", node->key, wanted);
 }
 
 saltus_status saltus_unknown_key(const saltus_source *source, int line, const char *key,
