@@ -64,7 +64,7 @@ static const char *rest_of(parser *self) {
     return self->made->text + self->place;
 }
 
-static int add_term(parser *self, saltus_expression_term term) {
+static int add_term(parser *self, saltus_syntax kind, int begin, int length, int first) {
     saltus_expression *made = self->made;
     if (made->count == self->room) {
         int room = 2 * self->room + 16;
@@ -76,8 +76,8 @@ static int add_term(parser *self, saltus_expression_term term) {
         made->terms = terms;
         self->room = room;
     }
-    term.next = -1;
-    made->terms[made->count] = term;
+    made->terms[made->count] =
+        (saltus_expression_term){.kind = kind, .begin = begin, .length = length, .first = first, .next = -1};
     return made->count++;
 }
 
@@ -121,12 +121,11 @@ static int parse_number(parser *self) {
         return refuse(self, self->place, "the number is too large");
     if (is_letter(*c))
         return refuse(self, self->place + length, "an operator is missing between a number and a name");
-    int begin = self->place;
+    const int term = add_term(self, SALTUS_SYNTAX_NUMBER, self->place, length, -1);
     self->place += length;
-    return add_term(
-        self,
-        (saltus_expression_term){
-            .kind = SALTUS_SYNTAX_NUMBER, .number = value, .begin = begin, .length = length, .first = -1});
+    if (term >= 0)
+        self->made->terms[term].number = value;
+    return term;
 }
 
 /* Parse arguments up to the closing bracket, chained to the term. Returns their number, 0 after an error. */
@@ -141,10 +140,7 @@ static int parse_arguments(parser *self, int term, char closing) {
         if (chooses && count == 0 && !is_comparison(self, argument))
             return refuse(self, opened + 1, "the first argument of if must be a comparison, such as x < 0"),
                    0;
-        if (last < 0)
-            self->made->terms[term].first = argument;
-        else
-            self->made->terms[last].next = argument;
+        *(last < 0 ? &self->made->terms[term].first : &self->made->terms[last].next) = argument;
         last = argument;
         count++;
         char c = *rest_of(self);
@@ -177,12 +173,10 @@ static int parse_call(parser *self, int begin, int length) {
                  meant ? "did you mean " : "a product needs a *", meant ? meant : "", meant ? "?" : "");
         return refuse(self, begin, complaint);
     }
-    int term = add_term(self, (saltus_expression_term){.kind = SALTUS_SYNTAX_CALL,
-                                                       .function = (saltus_function)k,
-                                                       .begin = begin,
-                                                       .length = length,
-                                                       .first = -1});
-    int count = term < 0 ? 0 : parse_arguments(self, term, ')');
+    const int term = add_term(self, SALTUS_SYNTAX_CALL, begin, length, -1);
+    if (term >= 0)
+        self->made->terms[term].function = (saltus_function)k;
+    const int count = term < 0 ? 0 : parse_arguments(self, term, ')');
     if (count == 0)
         return -1;
     if (count >= functions[k].least && count <= functions[k].most)
@@ -205,11 +199,9 @@ static int parse_name(parser *self) {
         return parse_call(self, begin, end - begin);
     }
     bool dotted = end - begin > 4 && memcmp(text + end - 4, "_dot", 4) == 0;
-    int term = add_term(self, (saltus_expression_term){.kind = SALTUS_SYNTAX_NAME,
-                                                       .rate = dotted,
-                                                       .begin = begin,
-                                                       .length = end - begin - (dotted ? 4 : 0),
-                                                       .first = -1});
+    const int term = add_term(self, SALTUS_SYNTAX_NAME, begin, end - begin - (dotted ? 4 : 0), -1);
+    if (term >= 0)
+        self->made->terms[term].rate = dotted;
     if (term >= 0 && *rest_of(self) == '[') {
         self->place++;
         if (parse_arguments(self, term, ']') == 0)
@@ -239,9 +231,7 @@ static int parse_first(parser *self) {
         int begin = self->place++, operand = parse_number_valued(self, sign_binds);
         if (operand < 0 || *c == '+')
             return operand;
-        return add_term(self,
-                        (saltus_expression_term){
-                            .kind = SALTUS_SYNTAX_NEGATE, .begin = begin, .length = 1, .first = operand});
+        return add_term(self, SALTUS_SYNTAX_NEGATE, begin, 1, operand);
     }
     if (is_digit(*c) || *c == '.')
         return parse_number(self);
@@ -266,15 +256,13 @@ static int parse_operand(parser *self, int binds) {
             break;
         if (is_comparison(self, left))
             return refuse(self, begin, "a comparison cannot be compared");
-        self->place += (int)strlen(operators[k].symbol);
+        const int length = (int)strlen(operators[k].symbol);
+        self->place += length;
         int right = parse_number_valued(self, operators[k].right);
         if (right < 0)
             return -1;
         self->made->terms[left].next = right;
-        left = add_term(self, (saltus_expression_term){.kind = operators[k].kind,
-                                                       .begin = begin,
-                                                       .length = (int)strlen(operators[k].symbol),
-                                                       .first = left});
+        left = add_term(self, operators[k].kind, begin, length, left);
     }
     self->depth--;
     return left;

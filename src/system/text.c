@@ -461,10 +461,10 @@ static bool fault(const saltus_system *system, const double *state, double phase
         node = saltus_graph_fault(&g->graph, g->field, count, values, system->scale, &operand);
     char *whole = node < 0 ? NULL : node_text(system, node),
          *part = node < 0 ? NULL : node_text(system, operand);
-    if (whole && part)
+    const bool found = whole && part;
+    if (found)
         snprintf(what->text, sizeof what->text, "%.200s has %s value where %.100s = %.6g", whole,
                  isfinite(values[node]) ? "hardly a" : "no", part, values[operand]);
-    bool found = whole && part;
     free(whole);
     free(part);
     free(values);

@@ -52,7 +52,7 @@ typedef struct builder {
     saltus_message *message;
 } builder;
 
-/* Report an error; returns node 0. */
+/* Report an error, if it is the first one; returns node 0, the constant 0, with which callers may go on. */
 static int refuse(builder *b, const saltus_expression_term *term, const char *format, ...) {
     char sentence[400];
     va_list arguments;
@@ -120,8 +120,6 @@ static int whole_of(builder *b, int term, const char *what) {
     const saltus_expression_term *t = &b->equation->right.terms[term];
     int node = node_of(b, term);
     const saltus_graph_node *n = &b->graph->nodes[node];
-    if (b->status != SALTUS_OK)
-        return 0;
     if (n->operation != SALTUS_OP_CONSTANT || n->value != floor(n->value) || fabs(n->value) > 1e6)
         return refuse(b, t, "%s must be a whole number made of numbers, indices and whole-number parameters",
                       what);
@@ -138,9 +136,9 @@ static int member_of(builder *b, const saltus_expression_term *term, const quant
         return refuse(b, term, "%s is a family of %d; say which one, such as %s[1]", q->name, q->count,
                       q->name);
     int index = whole_of(b, term->first, "an index");
-    if (b->status == SALTUS_OK && (index < 1 || index > q->count))
+    if (index < 1 || index > q->count)
         return refuse(b, term, "%s[%d]: the index must be from 1 to %d", q->name, index, q->count);
-    return b->status == SALTUS_OK ? q->first + index - 1 : 0;
+    return q->first + index - 1;
 }
 
 /* Accepts x3 for x[3], with *number = 3. */
@@ -168,8 +166,6 @@ static int constant_of(builder *b, const saltus_expression_term *term, const sal
     for (int k = term->first; k >= 0 && given < 3; k = terms[k].next, given++)
         if (given < 2)
             index[given] = whole_of(b, k, "an index");
-    if (b->status != SALTUS_OK)
-        return 0;
     if (given != wanted)
         return refuse(b, term, "%s is a %s and takes %d ind%s", c->name,
                       wanted == 0   ? "number"
@@ -230,8 +226,6 @@ static int let_of(builder *b, const saltus_expression_term *term, const char *na
     if (!known)
         return -1;
     int number = term->first >= 0 ? whole_of(b, term->first, "an index") : 0;
-    if (b->status != SALTUS_OK)
-        return 0;
     if (term->first >= 0 && (number < 1 || number > 100000))
         return refuse(b, term, "%.*s[%d]: an index begins at 1", term->length, name, number);
     const saltus_parsed *equation = equation_for(let, name, term->length, number);
@@ -374,10 +368,8 @@ static int sum_of(builder *b, const saltus_expression_term *term) {
         return refuse(b, index, "the first argument of sum must be the name of an index, such as i");
     int first = whole_of(b, from, "the first index of a sum"),
         last = whole_of(b, to, "the last index of a sum");
-    if (b->status == SALTUS_OK && b->locals == locals_max)
+    if (b->locals == locals_max)
         return refuse(b, term, "sums are nested too deeply");
-    if (b->status != SALTUS_OK)
-        return 0;
     int local = b->locals++;
     b->local[local].name = b->equation->right.text + index->begin;
     b->local[local].length = index->length;
@@ -403,13 +395,12 @@ static int call_of(builder *b, const saltus_expression_term *term) {
     if (term->function == SALTUS_FUNCTION_sign && next >= 0)
         return refuse(b, term, "dry friction, sign(s, k), is not possible yet");
     if (next < 0)
-        return b->status == SALTUS_OK ? apply(b, operation, node, -1) : 0;
+        return apply(b, operation, node, -1);
     for (; next >= 0 && b->status == SALTUS_OK; next = terms[next].next) {
         int other = node_of(b, next);
         if (!smooth && !switches(b, term, other))
             return 0;
-        if (b->status == SALTUS_OK)
-            node = apply(b, operation, node, other);
+        node = apply(b, operation, node, other);
     }
     return node;
 }
@@ -462,8 +453,6 @@ static int node_of(builder *b, int term) {
         break;
     }
     int left = node_of(b, t->first), right = node_of(b, terms[t->first].next);
-    if (b->status != SALTUS_OK)
-        return 0;
     const saltus_graph_node *divisor = t->kind == SALTUS_SYNTAX_DIVIDE ? &b->graph->nodes[right] : NULL;
     if (divisor && divisor->operation == SALTUS_OP_CONSTANT && divisor->value == 0)
         return refuse(b, t, "a division by zero");
@@ -493,7 +482,7 @@ static int lay_out(builder *b, const saltus_parsed_list *list, quantities *made)
             if (strcmp(b->text->families.items[f].base, e->base) == 0) {
                 b->equation = &b->text->families.items[f];
                 members = whole_of(b, b->equation->right.root, "the size of a family");
-                if (b->status == SALTUS_OK && (members < 1 || members > SALTUS_STATE_MAX))
+                if (members < 1 || members > SALTUS_STATE_MAX)
                     refuse(b, NULL, "%d members: must be from 1 to %d", members, SALTUS_STATE_MAX);
             }
         b->equation = e;
@@ -571,8 +560,7 @@ static void read_mass(builder *b, const saltus_parsed *e, int *mass, bool *given
             given[i * n + i] = true;
         }
     }
-    b->equation = e;
-    if (b->status == SALTUS_OK && !found)
+    if (!found)
         refuse(b, NULL, "%s is no displacement", e->name);
 }
 
@@ -640,7 +628,7 @@ static void read_coordinate(builder *b, const saltus_parsed *e, saltus_stop_node
     int coordinate = right_side(b, e, 0), rest = coordinate;
     if (b->graph->nodes[coordinate].depends & SALTUS_OF_TIME)
         refuse(b, NULL, "a coordinate that moves in time is not possible yet");
-    if (b->status == SALTUS_OK && !make_row(b, coordinate, made->normal))
+    if (!make_row(b, coordinate, made->normal))
         refuse(b, NULL, "a coordinate that is not linear in the displacements is not possible yet");
     for (int i = 0; i < n && b->status == SALTUS_OK; i++) {
         int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, i);
@@ -703,19 +691,17 @@ static void read_stop(builder *b, int s) {
 /* Read numbers that are listed by the names of states: scale and initial. */
 static void read_by_state(builder *b, const saltus_parsed_list *list, bool initial) {
     const int n = b->made->dof, all = n + b->made->extra;
-    b->equation = NULL;
     for (int k = 0; k < list->count && b->status == SALTUS_OK; k++) {
-        const saltus_parsed *e = &list->items[k];
+        const saltus_parsed *e = b->equation = &list->items[k];
         int i = 0, node = right_side(b, e, 0);
         size_t length = strlen(e->name);
         bool rate = length > 1 && e->name[length - 1] == '\'';
         bool dotted = length > 4 && strcmp(e->name + length - 4, "_dot") == 0;
-        b->equation = e;
         while (i < all && !is_named(b->made->names[i], e->name, (int)(length - (rate ? 1 : dotted ? 4 : 0))))
             i++;
         if (i == all || ((rate || dotted) && i >= n))
             refuse(b, NULL, "%s is no displacement, velocity or state", e->name);
-        else if (b->status == SALTUS_OK && depends_beyond(b, node, SALTUS_OF_PARAMETERS))
+        else if (depends_beyond(b, node, SALTUS_OF_PARAMETERS))
             refuse(b, NULL, "must be made of numbers and parameters");
         else {
             saltus_state_nodes *made = &b->made->state[i >= n || rate || dotted ? i + n : i];

@@ -32,27 +32,17 @@ typedef struct parts {
 
 static void put_node(printer *p, int node, int within);
 
-/* False if there are too many factors. */
-static bool collect_factors(const saltus_graph *g, int node, parts *all) {
+/* Take a product or, if `sum`, a sum apart. False if there are too many parts. */
+static bool collect(const saltus_graph *g, int node, bool sum, bool minus, parts *all) {
     const saltus_graph_node *n = &g->nodes[node];
-    if (n->operation == SALTUS_OP_CONSTANT) {
+    const bool difference = n->operation == SALTUS_OP_SUBTRACT;
+    if (!sum && n->operation == SALTUS_OP_CONSTANT) {
         all->number *= n->value;
         return true;
     }
-    if (n->operation == SALTUS_OP_MULTIPLY)
-        return collect_factors(g, n->operand[0], all) && collect_factors(g, n->operand[1], all);
-    if (all->count == parts_max)
-        return false;
-    all->node[all->count++] = node;
-    return true;
-}
-
-static bool collect_summands(const saltus_graph *g, int node, bool minus, parts *all) {
-    const saltus_graph_node *n = &g->nodes[node];
-    bool sum = n->operation == SALTUS_OP_ADD || n->operation == SALTUS_OP_SUBTRACT;
-    if (sum)
-        return collect_summands(g, n->operand[0], minus, all) &&
-               collect_summands(g, n->operand[1], minus != (n->operation == SALTUS_OP_SUBTRACT), all);
+    if (sum ? difference || n->operation == SALTUS_OP_ADD : n->operation == SALTUS_OP_MULTIPLY)
+        return collect(g, n->operand[0], sum, minus, all) &&
+               collect(g, n->operand[1], sum, minus != difference, all);
     if (all->count == parts_max)
         return false;
     all->minus[all->count] = minus;
@@ -68,7 +58,7 @@ static void put_number(printer *p, double value) {
 /* Whether a summand begins with a minus sign: -2, -k*x. */
 static bool is_negative(const saltus_graph *g, int node) {
     parts all = {.number = 1};
-    return collect_factors(g, node, &all) && all.number < 0;
+    return collect(g, node, false, false, &all) && all.number < 0;
 }
 
 /* Print a product without its sign, numbers and parameters first. */
@@ -76,7 +66,7 @@ static void put_product(printer *p, int node) {
     const saltus_graph *g = p->graph;
     parts all = {.number = 1};
     const char *star = "";
-    if (!collect_factors(g, node, &all)) {
+    if (!collect(g, node, false, false, &all)) {
         fputs("...", p->file);
         return;
     }
@@ -95,7 +85,7 @@ static void put_product(printer *p, int node) {
 
 static void put_sum(printer *p, int node) {
     parts all = {.number = 0};
-    if (!collect_summands(p->graph, node, false, &all)) {
+    if (!collect(p->graph, node, true, false, &all)) {
         fputs("...", p->file);
         return;
     }
