@@ -209,13 +209,10 @@ static saltus_status read_stops(const saltus_source *source, const saltus_node *
     saltus_status status = SALTUS_OK;
     if (one && several)
         return saltus_node_fail(source, several, "stops: stop is given too; keep one of them");
-    if (one) {
-        spec->stop_count = 1;
-        return read_stop(source, one, 0, spec->model, &spec->stops[0]);
-    }
-    for (const saltus_node *node = several ? several->first : NULL; node && status == SALTUS_OK;
-         node = node->next, spec->stop_count++)
-        status = read_stop(source, node, spec->stop_count + 1, spec->model, &spec->stops[spec->stop_count]);
+    const saltus_node *node = one ? one : several ? several->first : NULL;
+    for (; node && status == SALTUS_OK; node = one ? NULL : node->next, spec->stop_count++)
+        status = read_stop(source, node, one ? 0 : spec->stop_count + 1, spec->model,
+                           &spec->stops[spec->stop_count]);
     return status;
 }
 

@@ -348,10 +348,8 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
     reading r = {.source = place,
                  .text = {.origin = place->origin ? place->origin : "scene",
                           .scene = source->origin ? source->origin : "scene"}};
-    saltus_message reason = {.text = ""};
-    saltus_status status = SALTUS_OK;
+    saltus_status status = check_commas(place, node);
     r.text.parameters = r.parameters;
-    status = check_commas(place, node);
     if (status == SALTUS_OK)
         status = check_commas(source, root);
     for (const saltus_node *key = node->first; key && status == SALTUS_OK; key = key->next)
@@ -374,11 +372,8 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
     if (status == SALTUS_OK && !saltus_close_text(out, &json))
         status = no_memory(&r);
     r.text.source = json;
-    if (status == SALTUS_OK) {
-        status = saltus_text_model_new(&r.text, model, &reason);
-        if (status != SALTUS_OK && source->message)
-            *source->message = reason;
-    }
+    if (status == SALTUS_OK)
+        status = saltus_text_model_new(&r.text, model, source->message);
     free(json);
     saltus_text_release(&r.owned);
     return status;

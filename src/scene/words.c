@@ -128,12 +128,9 @@ saltus_status saltus_unknown_key(const saltus_source *source, int line, const ch
                                  const char *const *keys, int count) {
     saltus_quoted name = saltus_quote(key);
     const char *nearest = saltus_nearest_word(key, keys, count);
-    if (nearest)
-        saltus_source_fail(source, line, SALTUS_BAD_INPUT, "%s: unknown key; did you mean %s?", name.text,
-                           nearest);
-    else
-        saltus_source_fail(source, line, SALTUS_BAD_INPUT, "%s: unknown key; the keys here are %s", name.text,
-                           saltus_words_of(keys, count).text);
+    saltus_source_fail(source, line, SALTUS_BAD_INPUT, "%s: unknown key; %s %s%s", name.text,
+                       nearest ? "did you mean" : "the keys here are",
+                       nearest ? nearest : saltus_words_of(keys, count).text, nearest ? "?" : "");
     if (source->message)
         snprintf(source->message->key, sizeof source->message->key, "%s", key);
     return SALTUS_BAD_INPUT;

@@ -213,8 +213,7 @@ saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system,
     made->period = spec->model->forcing < 0 && !spec->clock ? 1 : 2 * M_PI / made->omega;
     reserve(made);
     if (!saltus_arena_open(&made->arena)) {
-        saltus_model_release(full.model);
-        free(made);
+        saltus_system_free(made);
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the system");
     }
     reserve(made);

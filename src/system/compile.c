@@ -418,22 +418,18 @@ saltus_compiled *saltus_compiled_hold(saltus_compiled_list *list, const saltus_c
             other->directions == shape->directions)
             found = own;
     }
-    if (!found) {
-        found = calloc(1, sizeof *found);
-        saltus_compiled **entry = found ? saltus_list_add(&list->items, sizeof *entry) : NULL;
-        if (entry) {
-            *entry = found;
-            found->shape = *shape;
-            found->outcome = -1;
-            atomic_init(&found->owners, 1);
-            atomic_init(&found->function, NULL);
-            atomic_init(&found->progress, progress_none);
-            pthread_mutex_init(&found->lock, NULL);
-        } else {
-            free(found);
-            found = NULL;
-        }
-    }
+    saltus_compiled *made = found ? NULL : calloc(1, sizeof *made);
+    saltus_compiled **entry = made ? saltus_list_add(&list->items, sizeof *entry) : NULL;
+    if (entry) {
+        *entry = found = made;
+        made->shape = *shape;
+        made->outcome = -1;
+        atomic_init(&made->owners, 1);
+        atomic_init(&made->function, NULL);
+        atomic_init(&made->progress, progress_none);
+        pthread_mutex_init(&made->lock, NULL);
+    } else
+        free(made);
     if (found)
         atomic_fetch_add(&found->owners, 1);
     pthread_mutex_unlock(&list->lock);

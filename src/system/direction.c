@@ -58,32 +58,28 @@ static saltus_status stop_direction(const saltus_spec *spec, const char *key, in
 
 saltus_status saltus_spec_direction(const saltus_spec *spec, const char *key, saltus_direction *direction,
                                     double *value, saltus_message *message) {
-    int index = saltus_model_parameter_index(spec->model, key), stop = 0, number = 0;
-    const saltus_parameter *own = index >= 0 ? &spec->model->parameters[index] : NULL, *table;
-    double present = 0;
-    int numbers;
-    saltus_status status;
+    int index = saltus_model_parameter_index(spec->model, key), stop = 0, number = 0, numbers;
+    const saltus_parameter *table = saltus_stop_parameters(&numbers);
+    double unused;
+    value = value ? value : &unused;
+    *value = 0;
     *direction = (saltus_direction){.parameter = {0}};
-    table = saltus_stop_parameters(&numbers);
+    if (index >= 0) {
+        const saltus_parameter *own = &spec->model->parameters[index];
+        if (own->integer)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "%s: a whole number (%s) cannot be varied continuously", own->name,
+                               own->meaning);
+        direction->parameter[index] = 1;
+        *value = spec->parameters[index];
+        return saltus_spec_differentiable(spec, direction, message);
+    }
     while (number < numbers && !saltus_key_numbered(key, table[number].name, &stop))
         number++;
-    if (own && own->integer)
-        status =
-            saltus_fail(message, SALTUS_BAD_INPUT, "%s: a whole number (%s) cannot be varied continuously",
-                        own->name, own->meaning);
-    else if (own) {
-        direction->parameter[index] = 1;
-        present = spec->parameters[index];
-        status = saltus_spec_differentiable(spec, direction, message);
-    } else if (number < numbers)
-        status = stop_direction(spec, key, number, stop, direction, &present, message);
-    else
-        status =
-            saltus_fail(message, SALTUS_BAD_INPUT, "%s: neither a parameter of the model %s nor d, r or xi",
-                        key, spec->model->name);
-    if (value)
-        *value = present;
-    return status;
+    if (number < numbers)
+        return stop_direction(spec, key, number, stop, direction, value, message);
+    return saltus_fail(message, SALTUS_BAD_INPUT, "%s: neither a parameter of the model %s nor d, r or xi",
+                       key, spec->model->name);
 }
 
 double saltus_spec_get(const saltus_spec *spec, const char *name) {

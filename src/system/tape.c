@@ -194,8 +194,9 @@ static bool on_diagonals(arranger *m, const incidence *list, int count, int memb
 }
 
 /* Add terms for the entries of one block of the matrix: its columns, or its diagonals. */
-static void add_terms(arranger *m, incidence *block, int count, int members, bool diagonal, int *slots,
-                      int *terms, bool *sparse) {
+static void add_terms(arranger *m, incidence *block, int count, bool diagonal, int *slots,
+                      saltus_tape_row *row) {
+    const int members = row->count;
     for (int k = 0; k < count; k++) {
         if (block[k].taken)
             continue;
@@ -214,11 +215,11 @@ static void add_terms(arranger *m, incidence *block, int count, int members, boo
             }
         push(m, &m->terms, &made, sizeof made);
         for (int e = 0; e < members; e++)
-            *sparse = *sparse || slots[e] < 0;
+            row->sparse = row->sparse || slots[e] < 0;
         for (int width = 0; width < 2; width++)
             for (int e = 0; e < (width ? members : padded(members)); e++)
                 add_slot(m, width, e < members ? slots[e] : -1);
-        ++*terms;
+        row->terms++;
     }
 }
 
@@ -263,7 +264,7 @@ static void add_combinations(arranger *m, saltus_tape_row *row) {
                 ;
             const bool diagonal = list[from].row >= 0 && on_diagonals(m, list + from, to - from, row->count);
             if (diagonal == (pass == 1))
-                add_terms(m, list + from, to - from, row->count, diagonal, slots, &row->terms, &row->sparse);
+                add_terms(m, list + from, to - from, diagonal, slots, row);
             if (list[from].row < 0 && pass == 0)
                 row->numbers = row->terms;
         }
