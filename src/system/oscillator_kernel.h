@@ -9,10 +9,7 @@
 
 /* The model has so few operations that loops specialised for certain terms gain nothing. */
 enum { model_rows_common = 0, model_rows_plain = SALTUS_WIDE ? 2 : 1 };
-KERNEL_INLINE unsigned model_common_terms(int rows) {
-    (void)rows;
-    return 0;
-}
+#define model_common_terms(rows) 0u
 
 enum { drive_force, model_drives };
 enum { table_force, model_tables };
@@ -34,10 +31,9 @@ KERNEL_INLINE void model_forcing(frame f, int order, lane_t sine, lane_t cosine)
             *DRIVE_PACK(drive_force, k + j) = *TABLE(table_force, k + j) * lane_alternate(cosine, sine, j);
 }
 
-KERNEL_INLINE void model_start(frame f, int c) {
-    (void)f;
-    (void)c;
-}
+/* Nothing has to be prepared, and there is no second copy of the state's series to keep. */
+#define model_start(f, c) ((void)0)
+#define model_place(f, k, c, velocity, displacement) ((void)(displacement))
 
 /* d cos(theta + omega t) / d omega = -(elapsed + t) sin(theta + omega t), where `elapsed` is the time since
  * theta was fixed. */
@@ -101,16 +97,6 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
     if (f.terms & SALTUS_TERM_EXTRA)
         *EXTRA(k + 1, c) = inverse * lane_fma(*SCALAR(oscillator_kz), row_element(velocity, 0),
                                               -*SCALAR(oscillator_rate_z) * *EXTRA(k, c));
-}
-
-/* This model keeps no second copy of the state's series. */
-KERNEL_INLINE void model_place(frame f, int k, int c, const saltus_pack *velocity,
-                               const saltus_pack *displacement) {
-    (void)f;
-    (void)k;
-    (void)c;
-    (void)velocity;
-    (void)displacement;
 }
 
 #endif

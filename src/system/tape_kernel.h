@@ -25,10 +25,7 @@ SALTUS_FIXED_TAPE
 #endif
 
 enum { model_rows_common = 0, model_rows_plain = 2 };
-KERNEL_INLINE unsigned model_common_terms(int rows) {
-    (void)rows;
-    return 0;
-}
+#define model_common_terms(rows) 0u
 
 enum {
     model_series_count = 0,
@@ -39,23 +36,11 @@ enum {
     model_columns_apart = false
 };
 
-static void model_load(saltus_work *w, int lane, const saltus_system *system) {
-    (void)w;
-    (void)lane;
-    (void)system;
-}
-
-KERNEL_INLINE void model_forcing(frame f, int order, lane_t sine, lane_t cosine) {
-    (void)f;
-    (void)order;
-    (void)sine;
-    (void)cosine;
-}
-
-KERNEL_INLINE void model_vary_forcing(frame f, int d, int order, lane_t sine, lane_t cosine) {
-    (void)d;
-    model_forcing(f, order, sine, cosine);
-}
+/* The forcing is on the tape, and parameter columns are tangent vectors for which the weights vary, too. */
+#define model_load(w, lane, system) ((void)0)
+#define model_forcing(f, order, sine, cosine) ((void)(order))
+#define model_vary_forcing(f, d, order, sine, cosine) ((void)0)
+#define model_source(f, k, c, d, inverse, next) ((void)0)
 
 /* The parameter direction of a column; negative for the trajectory and ordinary tangent vectors. */
 KERNEL_INLINE int direction_of(frame f, int c) {
@@ -384,10 +369,6 @@ KERNEL_INLINE lane_t total_packs(const player *m, const saltus_tape_row *s, cons
     return row_total(all, s->count, packs);
 }
 
-KERNEL_INLINE void play_total(const player *m, const saltus_tape_row *s, int k) {
-    *series_of(m, &s->out, 0, k) = total_packs(m, s, m->weights, 0, k, k == 0, ~0u);
-}
-
 KERNEL_INLINE void play_combination(const player *m, const saltus_tape_row *s, int k, int p,
                                     const int share) {
     saltus_pack sum[SHARES_MAX] = {{0}};
@@ -430,7 +411,7 @@ KERNEL_INLINE void play_function(const player *m, const saltus_tape_row *s, int 
 }
 
 /* Sine and cosine of a_0 + a_1 t, coefficients first .. last - 1. */
-KERNEL_INLINE void play_sine(const player *m, const saltus_tape_row *s, int first, int last) {
+KERNEL_INLINE void play_SINE(const player *m, const saltus_tape_row *s, int first, int last) {
     const lane_t *a = series_of(m, &s->a, 0, 0);
     lane_t *sine = series_of(m, &s->out, 0, 0), *cosine = series_of(m, &s->b, 0, 0);
     if (first == 0)
@@ -489,7 +470,7 @@ PLAY_KIND(INTEGRAL, play_integral(m, s, k))
 PLAY_KIND(DIVIDE, play_divide(m, s, k))
 PLAY_KIND(CHOOSE, play_choice(m, s, k))
 PLAY_KIND(FUNCTION, play_function(m, s, k))
-PLAY_KIND(TOTAL, play_total(m, s, k))
+PLAY_KIND(TOTAL, *series_of(m, &s->out, 0, k) = total_packs(m, s, m->weights, 0, k, k == 0, ~0u))
 PLAY_KIND(GATHER, play_gathering(m, s, k))
 PLAY_KIND(LINEAR, FOR_SHARES(s, play_combination(m, s, k, p, share)))
 PLAY_KIND(SCALED, FOR_SHARES(s, multiply_packs(m, s, true, k, p, share)))
@@ -504,10 +485,6 @@ KERNEL_INLINE void play_MULTIPLY(const player *m, const saltus_tape_row *s, int 
         play_SCALED(m, s, first, last);
     else
         play_PRODUCT(m, s, first, last);
-}
-
-KERNEL_INLINE void play_SINE(const player *m, const saltus_tape_row *s, int first, int last) {
-    play_sine(m, s, first, last);
 }
 
 KERNEL_INLINE void vary_combination(const player *m, const saltus_tape_row *s, int k, int c, int p,
@@ -789,16 +766,6 @@ KERNEL_INLINE void model_start(frame f, int c) {
         set_linear(&m, &m.tape->phase, c, turned, rate / full);
     if (c == 0)
         play_steady(&m, (int)f.orders - 2);
-}
-
-/* Nothing to do: parameter columns are tangent vectors for which the weights vary, too. */
-KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, saltus_pack *next) {
-    (void)f;
-    (void)k;
-    (void)c;
-    (void)d;
-    (void)inverse;
-    (void)next;
 }
 
 /* Coefficient k + 1 of q' and of the extra states, for the trajectory (c = 0) or a tangent vector. The states
