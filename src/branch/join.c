@@ -46,7 +46,7 @@ static double left_of(saltus_extended *x, measure by, int parts, const saltus_so
 static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double ahead, double apart,
                                  int samples, measure by, int parts, saltus_locus_point *at, double *spread,
                                  saltus_message *message) {
-    const double sharpest = 1e-13, sharp = 1e-12, usual = x->equations.tolerance;
+    const double sharpest = 1e-13, sharp = 1e-12;
     int m = here->at.unknowns;
     double rest[samples_most], *u = calloc((size_t)(m * samples), sizeof *u);
     saltus_locus_point before = {.corner_count = 0};
@@ -62,19 +62,16 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
             before = last;
         }
         /* Rounding may be more than the first tolerance. */
-        status = SALTUS_NO_CONVERGENCE;
-        for (double t = sharpest; status == SALTUS_NO_CONVERGENCE && t <= sharp; t *= 10) {
-            x->equations.tolerance = t;
-            status = saltus_curve_visit(&x->equations, follows ? &before.at : &here->at,
-                                        follows ? -apart : ahead - (k + 1) * apart, &at->at, message);
-        }
+        double tolerance = sharpest;
+        status = saltus_locus_reach(x, follows ? &before.at : &here->at,
+                                    follows ? -apart : ahead - (k + 1) * apart, &tolerance, sharp, &at->at,
+                                    message);
         if (status == SALTUS_OK)
             status = saltus_locus_see_orbit(x, at, message);
         rest[k] = status == SALTUS_OK ? left_of(x, by, parts, &at->orbit) : NAN;
         for (int j = 0; j < m && status == SALTUS_OK; j++)
             u[j * samples + k] = at->at.u[j];
     }
-    x->equations.tolerance = usual;
     at->at.ahead = *spread = 0;
     for (int j = 0; j < m && status == SALTUS_OK; j++) {
         at->at.u[j] = saltus_curve_interpolate(rest, u + j * samples, samples);
@@ -96,7 +93,7 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
 void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {
     static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4};
     enum { spacings = sizeof apart / sizeof apart[0] };
-    const double far = 1e-4, clear = 1e-10, trusted = 1e-9;
+    const double far = 1e-4, clear = 1e-9, trusted = 1e-9;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
     const double place = at->at.ahead;
     if (saltus_halved_touch(x, at))

@@ -26,7 +26,8 @@ typedef struct search {
     saltus_list samples;
     /* The zero that is being located. */
     int corner, asked;
-    double clear; /* a smooth function is below this after many evaluations */
+    double clear;     /* a smooth function is below this after many evaluations */
+    double tolerance; /* of the equations */
 } search;
 
 static sample sample_of(const saltus_locus_point *p, double place) {
@@ -131,10 +132,18 @@ static bool add_samples(search *s, const saltus_locus_zeros *found) {
     return room;
 }
 
+/* The tolerance of steps would be the error of the place. */
+static bool visit_sharply(saltus_extended *x, const saltus_locus_point *here, double ahead, double *tolerance,
+                          saltus_locus_point *out) {
+    return saltus_locus_reach(x, &here->at, ahead, tolerance, x->equations.tolerance, &out->at, NULL) ==
+               SALTUS_OK &&
+           !saltus_locus_strays(here, out) && saltus_locus_see(x, out, NULL) == SALTUS_OK;
+}
+
 static bool corner_at(void *context, double ahead, double *value) {
     enum { often = 14 };
     search *s = context;
-    if (!saltus_locus_visit(s->x, s->here, ahead, s->out))
+    if (!visit_sharply(s->x, s->here, ahead, &s->tolerance, s->out))
         return false;
     *value = saltus_scaled_in(s->out->corners[s->corner].value, s->here->corners[s->corner].value.exponent);
     return ++s->asked < often || !(fabs(*value) > s->clear);
@@ -208,8 +217,9 @@ static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, i
 
 bool saltus_locus_visit_zero(saltus_extended *x, const saltus_locus_point *here,
                              const struct saltus_locus_zero *zero, saltus_locus_point *out) {
+    double tolerance = zero->tolerance;
     return (zero->crosses && visit_crossing(x, here, zero->corner, zero->place, out)) ||
-           saltus_locus_visit(x, here, zero->place, out);
+           visit_sharply(x, here, zero->place, &tolerance, out);
 }
 
 /* The zero of a function between two places, if there is one. */
@@ -221,16 +231,17 @@ static bool find_zero(search *s, int k, const sample *a, const sample *b, struct
                  values[] = {saltus_scaled_in(near, exponent), saltus_scaled_in(far, exponent)};
     const double linear = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1]);
     /* A breach that is always zero belongs to another face, which the orbit touches all along the curve. */
-    const double nothing = 1e-12;
+    const double nothing = 1e-12, sharpest = 1e-12;
     const bool loud = k == 0 ? fmax(fabs(values[0]), fabs(values[1])) > nothing : !is_quiet(s, k);
     const bool pairs = a->corners[k].kind == SALTUS_POINT_GR_NS && !a->corners[k].breach;
     double width;
-    *zero = (struct saltus_locus_zero){.corner = k, .place = linear};
+    *zero = (struct saltus_locus_zero){.corner = k, .place = linear, .tolerance = x->equations.tolerance};
     if (!(values[0] * values[1] < 0))
         return false;
     /* Inaccurate multipliers make their products jump: then the function stays large near its sign change. */
     s->corner = k;
     s->asked = 0;
+    s->tolerance = fmin(sharpest, x->equations.tolerance);
     s->clear = pairs ? 1e-2 * fmin(fabs(values[0]), fabs(values[1])) : INFINITY;
     if (x->kind == SALTUS_POINT_GR && loud && !pairs && k > 0 && a->crossing * b->crossing < 0 &&
         visit_crossing(s->x, s->here, k, linear, s->out)) {
@@ -238,9 +249,13 @@ static bool find_zero(search *s, int k, const sample *a, const sample *b, struct
         /* If an end is close to the crossing its own values are not better known. */
         zero->crosses = zero->place > ends[0] - near_crossing && zero->place < ends[1] + near_crossing;
     }
-    if (zero->crosses || (loud && saltus_curve_zero_between(x->orbits.solver, corner_at, s, ends, values,
-                                                            &zero->place, &width)))
+    if (zero->crosses)
         return true;
+    if (loud &&
+        saltus_curve_zero_between(x->orbits.solver, corner_at, s, ends, values, &zero->place, &width)) {
+        zero->tolerance = s->tolerance;
+        return true;
+    }
     /* Where a pair of multipliers meets, the equations are singular and solved by chance nearby;
      * saltus_locus_sharpen will find the place from other points. */
     zero->place = linear;

@@ -11,8 +11,8 @@ typedef struct saltus_locus_zeros {
     int count;
     struct saltus_locus_zero {
         int corner;
-        double place; /* ahead of `here` */
-        bool crosses; /* another curve of the same equations crosses there */
+        double place, tolerance; /* ahead of `here`; of the equations */
+        bool crosses;            /* another curve of the same equations crosses there */
     } zero[SALTUS_CROSSINGS_MAX];
 } saltus_locus_zeros;
 

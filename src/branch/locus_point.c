@@ -240,23 +240,16 @@ bool saltus_locus_joins_at(saltus_extended *x, const saltus_locus_point *here, c
 
 bool saltus_locus_has_pair(const saltus_survey *survey, int n, double theta) {
     const double near = 1e-2;
-    int first = -1;
-    for (int way = 1; way >= -1; way -= 2) {
-        int best = -1;
-        double least = near;
-        for (int i = 0; i < n; i++) {
-            double apart =
-                hypot(survey->multipliers[i].re - cos(theta), survey->multipliers[i].im - way * sin(theta));
-            if (i != first && apart < least) {
-                least = apart;
-                best = i;
-            }
-        }
-        if (best < 0)
-            return false;
-        first = best;
-    }
-    return true;
+    const saltus_multiplier *m = survey->multipliers;
+    /* Where the pair meets, an error moves both apart by its root, but their sum and product only by itself.
+     */
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++)
+            if (hypot(m[i].re + m[j].re - 2 * cos(theta), m[i].im + m[j].im) < near &&
+                hypot(m[i].re * m[j].re - m[i].im * m[j].im - 1, m[i].re * m[j].im + m[i].im * m[j].re) <
+                    near)
+                return true;
+    return false;
 }
 
 bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *p) {
@@ -282,6 +275,19 @@ bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_poin
     for (int j = 0; j < to->at.unknowns; j++)
         distance = hypot(distance, to->at.u[j] - here->at.u[j]);
     return distance > far * fabs(to->at.ahead) + least;
+}
+
+saltus_status saltus_locus_reach(saltus_extended *x, const saltus_curve_point *from, double ahead,
+                                 double *tolerance, double loosest, saltus_curve_point *to,
+                                 saltus_message *message) {
+    const double usual = x->equations.tolerance;
+    saltus_status status = SALTUS_NO_CONVERGENCE;
+    for (double t = *tolerance; status == SALTUS_NO_CONVERGENCE && t < 2 * loosest; t *= 10) {
+        x->equations.tolerance = *tolerance = fmin(t, loosest);
+        status = saltus_curve_visit(&x->equations, from, ahead, to, message);
+    }
+    x->equations.tolerance = usual;
+    return status;
 }
 
 bool saltus_locus_visit(saltus_extended *x, const saltus_locus_point *here, double ahead,

@@ -62,6 +62,11 @@ saltus_status saltus_locus_reframe(saltus_extended *extended, saltus_locus_point
 /* Whether a point that was sought some way ahead of another is far aside of the tangent there: across a
  * hairpin, on another piece of the curve. */
 bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_point *to);
+/* The point at arclength `ahead` from another on the curve, by the sharpest tolerance of the equations that
+ * rounding allows, which is sought from *tolerance to `loosest`; *tolerance becomes that. */
+saltus_status saltus_locus_reach(saltus_extended *extended, const saltus_curve_point *from, double ahead,
+                                 double *tolerance, double loosest, saltus_curve_point *to,
+                                 saltus_message *message);
 /* The point at arclength `ahead` from another, evaluated; false if it cannot be found. */
 bool saltus_locus_visit(saltus_extended *extended, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out);
