@@ -52,7 +52,7 @@ const saltus_breach *saltus_corner_touch(const saltus_extended *x, const saltus_
     const saltus_breach *worst = worst_of(x, s);
     const saltus_breach *impact = worst && worst->kind == SALTUS_BREACH_GAP ? slow_impact(s, worst) : NULL;
     if (impact)
-        return impact;
+        worst = impact;
     /* Between equal stops an orbit whose impacts die becomes symmetric, and touches the other stop, too. */
     for (int k = 0; k < s->breach_count && worst && worst->kind == SALTUS_BREACH_SPEED; k++)
         if (x->kind != SALTUS_POINT_GR && s->breaches[k].kind == SALTUS_BREACH_GAP &&
