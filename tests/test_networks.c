@@ -359,6 +359,24 @@ static void last_impacts_are_hardly_felt(void **unused) {
     check_networks(networks, 2);
 }
 
+/* Where a curve of grazing joins that of orbits of half the period at a flip, the equations of these have the
+ * place; places on the curve itself lead there only roughly, and some lie on the shorter orbits' curve. */
+static void grazing_joins_at_flips(void **unused) {
+    (void)unused;
+    static const double state[] = {0.029608042991023265, -0.0025607386748760222, 0.19135124574612891,
+                                   0.025406592292039346};
+    const network network = {"fig7d",
+                             "N=2 omega=16.364175560983895 d=0.036466001807622508 r=0.595023",
+                             SALTUS_POINT_GR,
+                             {"omega", "d"},
+                             {16.3, 0.0364},
+                             {16.5, 0.0366},
+                             0,
+                             {0.04, 0.02, 0.01},
+                             1};
+    check_network(&network, 4, state);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
@@ -374,6 +392,7 @@ int main(void) {
         cmocka_unit_test(impacts_fade_at_a_resonance),
         cmocka_unit_test(no_step_leads_across_a_hairpin),
         cmocka_unit_test(last_impacts_are_hardly_felt),
+        cmocka_unit_test(grazing_joins_at_flips),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

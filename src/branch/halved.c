@@ -18,6 +18,7 @@ typedef struct shorter {
     double apart;           /* width of the differences for it */
     double exponent;        /* of the determinant for it */
     int parts;              /* R4: after how many of these orbits a free vibration comes back */
+    bool without;           /* GR-PD: it is the orbit without the grazing impact that flips */
 } shorter;
 
 /* Evaluate the orbit at s->at without its grazing impact by a separate shooting, which the caller frees. */
@@ -37,32 +38,56 @@ static saltus_status evaluate_without(const shorter *s, saltus_shooting **shooti
     return status;
 }
 
+/* How near another impact is to grazing, too, at the orbit at s->at. */
+static saltus_status see_breach(shorter *s, double *breach) {
+    saltus_solution *orbit = &s->on.orbit;
+    saltus_equations *e = s->x.orbits.equations;
+    if (!saltus_curve_reserve(&orbit->at, e->unknowns))
+        return SALTUS_NO_MEMORY;
+    memcpy(orbit->at.u, s->at.u, (size_t)e->unknowns * sizeof *s->at.u);
+    saltus_status status = saltus_equations_evaluate(e, orbit->at.u, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(&s->x.orbits, orbit, NULL);
+    *breach = saltus_corner_breach(&s->x, orbit);
+    return status;
+}
+
 /* The function that is zero at the point sought, on the curve `ahead` of s->on. From multipliers: the one
  * closest to 1, minus 1; the squared modulus, minus 1, of the pair closest to the unit circle; or, without
  * the grazing impact, how far in angle a pair on the circle is from coming back to 1 after some orbits. */
 static bool test_at(shorter *s, double ahead, double *value) {
     const double on = 1e-6;
-    const bool pair = s->kind == SALTUS_POINT_PD_NS, grazes = s->kind == SALTUS_POINT_GR_LP,
+    const bool flips = s->kind == SALTUS_POINT_GR_PD, grazes = s->kind == SALTUS_POINT_GR_LP || flips;
+    const bool pair = s->kind == SALTUS_POINT_PD_NS, touches = s->kind == SALTUS_POINT_GR_GR,
                comes_back = s->kind == SALTUS_POINT_R4,
                multipliers = pair || comes_back || s->kind == SALTUS_POINT_LP_PD;
     saltus_orbits *o = &s->x.orbits;
     saltus_shooting *without = NULL;
     double rounding, re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
-    saltus_scaled fold;
+    saltus_scaled closing;
     saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, NULL);
-    if (status == SALTUS_OK && !grazes && !comes_back)
+    if (status == SALTUS_OK && touches)
+        status = see_breach(s, value);
+    else if (status == SALTUS_OK && !grazes && !comes_back)
         *value = saltus_extended_double(&s->x, &rounding);
     if (status == SALTUS_OK && (s->kind == SALTUS_POINT_GPD || s->kind == SALTUS_POINT_CP))
         status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value, NULL);
-    if (status == SALTUS_OK && comes_back)
+    if (status == SALTUS_OK && (comes_back || s->without))
         status = evaluate_without(s, &without, NULL);
     else if (status == SALTUS_OK && (multipliers || grazes))
         status = saltus_equations_evaluate(o->equations, s->at.u, NULL);
+    if (status == SALTUS_OK && grazes && !s->without) {
+        /* The grazing impact has no speed but for a residual. */
+        const int entry = o->n * saltus_shooting_sequence(o->shooting)->cuts + s->x.mark;
+        o->equations->jacobian[entry * o->equations->unknowns + entry] = 0;
+    }
     if (status == SALTUS_OK && grazes)
-        status = saltus_corner_closing(o->shooting, 0, &fold) ? SALTUS_OK : SALTUS_NO_MEMORY;
+        status = saltus_corner_closing(without ? without : o->shooting, flips ? o->n : 0, &closing)
+                     ? SALTUS_OK
+                     : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK && grazes) {
-        s->exponent = isnan(s->exponent) ? fold.exponent : s->exponent;
-        *value = saltus_scaled_in(fold, s->exponent);
+        s->exponent = isnan(s->exponent) ? closing.exponent : s->exponent;
+        *value = saltus_scaled_in(closing, s->exponent);
     }
     int count = 0;
     if (status == SALTUS_OK && multipliers) {
@@ -253,7 +278,7 @@ static int lay_together(const saltus_sequence *whole, int parts, int slow, saltu
     return find_mark(once, &own);
 }
 
-bool saltus_halved_touch(saltus_extended *x, saltus_locus_point *at) {
+bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, saltus_locus_point *at) {
     const double alike = 1e-5;
     const saltus_breach *touch = NULL;
     saltus_sequence once;
@@ -263,16 +288,18 @@ bool saltus_halved_touch(saltus_extended *x, saltus_locus_point *at) {
             (!touch || at->orbit.breaches[k].value > touch->value))
             touch = &at->orbit.breaches[k];
     const saltus_sequence *whole = &at->orbit.sequence;
-    int parts = touch ? whole->periods : 1;
-    while (parts > 2 && !(saltus_locus_distance(x, &at->orbit, parts) < alike))
-        parts--;
+    for (int k = whole->periods; !parts && k > 1; k--)
+        parts = k == 2 || saltus_locus_distance(x, &at->orbit, k) < alike ? k : 0;
     const int mark =
-        parts > 1 && whole->periods % parts == 0 ? lay_together(whole, parts, touch->mark, &once) : -1;
+        touch && parts > 1 && whole->periods % parts == 0
+            ? lay_together(whole, parts, x->kind == SALTUS_POINT_GR ? x->mark : touch->mark, &once)
+            : -1;
     if (mark < 0)
         return false;
     bool found = open_shorter(&s, x, at, &once, SALTUS_POINT_GR, mark);
-    s.kind = parts > 2 ? SALTUS_POINT_R4 : SALTUS_POINT_GR_LP;
+    s.kind = parts > 2 ? SALTUS_POINT_R4 : kind;
     s.parts = parts;
+    s.without = s.kind == SALTUS_POINT_GR_PD && whole->count < parts * once.count;
     found = found && find_zero(&s) && go_through(x, &s, s.at.u, at);
     close_shorter(x, &s);
     return found;

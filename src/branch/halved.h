@@ -18,10 +18,14 @@
  * otherwise REGULAR. `mirrored`: where folds end in orbits that are their own mirror images, CP, and `at`
  * likewise. Lack of memory is noted in the orbits. */
 saltus_point_kind saltus_halved_tell(saltus_extended *extended, bool mirrored, saltus_locus_point *at);
-/* Where a curve of special orbits ends as impacts have lost their speed, at the orbit `at`, known to some
- * digits, that may be a shorter one, at whose grazing the impact's infinite multiplier is not felt. If so
- * `at` becomes that: the zero of the shorter orbits' determinant along their curve of grazing. Otherwise
- * false. */
-bool saltus_halved_touch(saltus_extended *extended, saltus_locus_point *at);
+/* The orbit `at`, known to some digits, may be that of so many `parts` (0: to be found) of its period at
+ * whose grazing a curve of special orbits ends as impacts have lost their speed, or one of grazing joins that
+ * of the shorter orbits. If so `at` becomes the zero of a function along their curve of grazing. Of `kind`
+ * GR-LP it is their determinant, where the impact's infinite multiplier is not felt; of GR-PD that for a
+ * flip; of GR-GR another impact's breach. For three parts or more a free vibration comes back there.
+ * Otherwise false.
+ */
+bool saltus_halved_touch(saltus_extended *extended, saltus_point_kind kind, int parts,
+                         saltus_locus_point *at);
 
 #endif

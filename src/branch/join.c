@@ -96,7 +96,7 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     const double far = 1e-4, clear = 1e-9, trusted = 1e-9;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
     const double place = at->at.ahead;
-    if (saltus_halved_touch(x, at))
+    if (saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, at))
         return;
     double spread, least = clear, ahead = place, *u = calloc(2 * (size_t)m, sizeof *u);
     saltus_orbits_noted(&x->orbits, u ? SALTUS_OK : SALTUS_NO_MEMORY);
@@ -197,6 +197,18 @@ static void sharpen_join(saltus_extended *x, const saltus_locus_point *here, int
     free(work);
 }
 
+/* Locate the place of unknowns u, known to `least`, where the curve joins that of orbits of half the period
+ * or less, by the equations of these alone, as a point of this kind. False if that fails. */
+static bool locate_join(saltus_extended *x, saltus_point_kind kind, int parts, const double *u, double least,
+                        saltus_locus_point *at) {
+    const double close = 1e-9, slack = 100;
+    const int c = x->orbits.equations->count;
+    memcpy(at->at.u, u, (size_t)x->equations.unknowns * sizeof *u);
+    return saltus_orbits_noted(&x->orbits, saltus_locus_see_orbit(x, at, NULL)) == SALTUS_OK &&
+           saltus_halved_touch(x, kind, parts, at) &&
+           hypot(at->at.u[c] - u[c], at->at.u[c + 1] - u[c + 1]) < fmax(close, slack * least);
+}
+
 saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
                                 saltus_point_kind *kind, saltus_message *message) {
     static const double apart[] = {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5};
@@ -204,7 +216,7 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
     const double little = 1e-3, near = 1e-3, sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11;
     const size_t size = (size_t)here->at.unknowns * sizeof(double);
     int parts;
-    double spread, least = INFINITY;
+    double spread, ahead = 0, least = INFINITY;
     *kind = SALTUS_POINT_REGULAR;
     if (x->kind != SALTUS_POINT_GR)
         return saltus_locus_join_halves(x, here, at, kind, message);
@@ -218,20 +230,30 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
     for (int k = 0; k < 3 * spacings && least > trusted && status != SALTUS_NO_MEMORY; k++) {
         const measure by = k / spacings;
         status = extrapolate(x, here, 0, apart[k % spacings], 6, by, parts, at, &spread, NULL);
-        if (status != SALTUS_OK || !(spread < least) || !(fabs(at->at.ahead) < 2 * apart[k % spacings]) ||
+        if (status != SALTUS_OK || !(spread < least) ||
+            !(at->at.ahead > 0 && at->at.ahead < 2 * apart[k % spacings]) ||
             !(fabs(saltus_corner_breach(x, &at->orbit)) < sharp[by]) ||
             !(saltus_locus_distance(x, &at->orbit, parts) < sharp[by]))
             continue;
         least = spread;
+        ahead = at->at.ahead;
         memcpy(u, at->at.u, size);
         *kind = parts > 2 || touches_elsewhere(x, &at->orbit, parts) ? SALTUS_POINT_GR_GR
                 : parts == 2                                         ? SALTUS_POINT_GR_PD
                                                                      : SALTUS_POINT_GR_BP;
     }
     if (*kind && status != SALTUS_NO_MEMORY) {
-        memcpy(at->at.u, u, size);
-        sharpen_join(x, here, parts, least, at);
-        status = saltus_locus_see_orbit(x, at, NULL);
+        /* Two impacts of an orbit that closes even sooner may graze in turns: it is then as at a flip. */
+        const bool located =
+            parts > 1 &&
+            (locate_join(x, *kind, parts, u, least, at) ||
+             (*kind == SALTUS_POINT_GR_GR && locate_join(x, SALTUS_POINT_GR_PD, parts, u, least, at)));
+        if (!located) {
+            memcpy(at->at.u, u, size);
+            sharpen_join(x, here, parts, least, at);
+            status = saltus_locus_see_orbit(x, at, NULL);
+        }
+        at->at.ahead = ahead;
     }
     free(u);
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
@@ -285,7 +307,7 @@ saltus_status saltus_locus_fade(saltus_extended *x, saltus_locus_point *here, sa
         return SALTUS_OK;
     const saltus_status status = seek_end(x, here, BY_ROOT, 0, sharp, at, fades, message);
     if (*fades)
-        saltus_halved_touch(x, at);
+        saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, at);
     return status;
 }
 
