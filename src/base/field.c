@@ -139,15 +139,12 @@ static bool has_words(const saltus_field *field, long long whole) {
 
 bool saltus_field_set_whole(const saltus_field *field, long long whole, void *record) {
     value v = {0};
-    bool fits = true;
+    bool fits = !field->words || has_words(field, whole);
     switch (field->type) {
     case SALTUS_INT:
-        v.whole = (int)whole;
-        fits = whole >= INT_MIN && whole <= INT_MAX;
-        break;
     case SALTUS_CHOICE:
         v.whole = (int)whole;
-        fits = has_words(field, whole);
+        fits &= whole >= INT_MIN && whole <= INT_MAX;
         break;
     case SALTUS_LONG:
         v.wide = whole;
@@ -161,7 +158,6 @@ bool saltus_field_set_whole(const saltus_field *field, long long whole, void *re
         break;
     case SALTUS_SET:
         v.bits = (unsigned)whole;
-        fits = has_words(field, whole);
         break;
     default:
         fits = false;
@@ -191,31 +187,10 @@ bool saltus_field_set_number(const saltus_field *field, double number, void *rec
            saltus_field_set_whole(field, (long long)number, record);
 }
 
-static void join(const saltus_word *words, unsigned bits, char *text) {
-    size_t used = 0;
-    text[0] = '\0';
-    for (; words->word && used < SALTUS_FIELD_TEXT_MAX; words++)
-        if (bits & (unsigned)words->value)
-            used += (size_t)snprintf(text + used, SALTUS_FIELD_TEXT_MAX - used, "%s%s", used ? "," : "",
-                                     words->word);
-}
-
-static bool split(const char *text, const saltus_word *words, unsigned *bits) {
-    *bits = 0;
-    while (*text) {
-        size_t length = strcspn(text, ",");
-        int bit;
-        if (!saltus_word_value(words, text, length, &bit))
-            return false;
-        *bits |= (unsigned)bit;
-        text += length + (text[length] == ',');
-    }
-    return true;
-}
-
 const char *saltus_field_text(const saltus_field *field, const void *record,
                               char text[SALTUS_FIELD_TEXT_MAX]) {
     const char *word;
+    size_t used = 0;
     switch (field->type) {
     case SALTUS_REAL:
         return saltus_number(saltus_field_number(field, record), text);
@@ -225,7 +200,11 @@ const char *saltus_field_text(const saltus_field *field, const void *record,
         word = saltus_word_of(field->words, (int)saltus_field_whole(field, record));
         return word ? word : "unknown";
     case SALTUS_SET:
-        join(field->words, (unsigned)saltus_field_whole(field, record), text);
+        text[0] = '\0';
+        for (const saltus_word *w = field->words; w->word && used < SALTUS_FIELD_TEXT_MAX; w++)
+            if (saltus_field_whole(field, record) & (unsigned)w->value)
+                used += (size_t)snprintf(text + used, SALTUS_FIELD_TEXT_MAX - used, "%s%s", used ? "," : "",
+                                         w->word);
         return text;
     case SALTUS_TEXT:
         snprintf(text, SALTUS_FIELD_TEXT_MAX, "%s", (const char *)place_of(field, record));
@@ -258,7 +237,7 @@ static bool read_number(const saltus_field *field, const char *text, void *recor
 }
 
 bool saltus_field_read(const saltus_field *field, const char *text, void *record) {
-    unsigned bits;
+    unsigned bits = 0;
     int choice;
     switch (field->type) {
     case SALTUS_FLAG:
@@ -268,7 +247,13 @@ bool saltus_field_read(const saltus_field *field, const char *text, void *record
         return saltus_word_value(field->words, text, strlen(text), &choice) &&
                saltus_field_set_whole(field, choice, record);
     case SALTUS_SET:
-        return split(text, field->words, &bits) && saltus_field_set_whole(field, bits, record);
+        for (size_t length; *text; text += length + (text[length] == ',')) {
+            length = strcspn(text, ",");
+            if (!saltus_word_value(field->words, text, length, &choice))
+                return false;
+            bits |= (unsigned)choice;
+        }
+        return saltus_field_set_whole(field, bits, record);
     case SALTUS_TEXT:
         if (strlen(text) >= (size_t)field->length)
             return false;
@@ -297,29 +282,24 @@ void saltus_options_fill(const saltus_option_table *table, void *record) {
     }
 }
 
-/* "turning, impacts or stroboscopic" */
-static void list_words(const saltus_option *o, char *text, size_t room) {
-    size_t used = 0;
-    int count = 0;
-    while (o->field.words[count].word)
-        count++;
-    for (int k = 0; k < count && used < room; k++)
-        used += (size_t)snprintf(text + used, room - used, "%s%s",
-                                 k == 0          ? ""
-                                 : k < count - 1 ? ", "
-                                                 : " or ",
-                                 o->field.words[k].word);
-    if (o->field.type == SALTUS_SET && used < room)
-        snprintf(text + used, room - used, ", with commas between them");
-}
-
 const char *saltus_option_demand(const saltus_option *o, char text[SALTUS_FIELD_TEXT_MAX]) {
     size_t used = (size_t)snprintf(text, SALTUS_FIELD_TEXT_MAX, "must be %s", o->automatic ? "0 or " : "");
     size_t room = SALTUS_FIELD_TEXT_MAX - used;
     const char *most = o->below ? "less than" : "at most", *least = o->above ? "greater than" : "at least";
+    int words = 0;
+    while (o->field.words && o->field.words[words].word)
+        words++;
+    for (int k = 0; k < words && used < SALTUS_FIELD_TEXT_MAX; k++)
+        used += (size_t)snprintf(text + used, SALTUS_FIELD_TEXT_MAX - used, "%s%s",
+                                 k == 0          ? ""
+                                 : k < words - 1 ? ", "
+                                                 : " or ",
+                                 o->field.words[k].word);
+    if (o->field.type == SALTUS_SET && used < SALTUS_FIELD_TEXT_MAX)
+        snprintf(text + used, SALTUS_FIELD_TEXT_MAX - used, ", with commas between them");
     if (o->field.words)
-        list_words(o, text + used, room);
-    else if (!(o->high < INFINITY))
+        return text;
+    if (!(o->high < INFINITY))
         snprintf(text + used, room, "%s %.10g", least, o->low);
     else if (o->field.type == SALTUS_REAL && (o->above || o->below))
         snprintf(text + used, room, "%s %.10g and %s %.10g", least, o->low, most, o->high);

@@ -78,16 +78,6 @@ static void turn_product(const periodic *p, const reflector *reflection, int col
         reflect(&through[m], p->h + through[m].at, 1, n, p->low, p->high);
 }
 
-static void reduce_to_hessenberg(const periodic *p) {
-    int n = p->n;
-    for (int j = 0; j < n - 2; j++)
-        for (int i = n - 1; i > j + 1; i--) {
-            reflector reflection = reflector_of(p->h + (i - 1) * n + j, n, i - 1, 2);
-            turn_product(p, &reflection, j);
-            p->h[i * n + j] = 0;
-        }
-}
-
 /* The product r_count ... r_1 within the active rows and columns. */
 static void multiply_out(const periodic *p) {
     const int n = p->n, low = p->low, high = p->high;
@@ -121,11 +111,12 @@ static void last_pair(const periodic *p, double *m) {
         m[i] = entry(p, p->high - 2 + i / 2, p->high - 2 + i % 2);
 }
 
-/* First column of (M - a)(M - b), up to a factor, where M is the product and a, b are the eigenvalues of its
- * last 2 x 2 block. Every tenth iteration uses exceptional shifts instead. */
-static void shifted_column(const periodic *p, int iteration, double *x) {
+/* One sweep of the iteration, from the first column x of (M - a)(M - b), up to a factor, where M is the
+ * product and a, b are the eigenvalues of its last 2 x 2 block. Every tenth sweep uses exceptional shifts
+ * instead. */
+static void sweep(const periodic *p, int iteration) {
     enum { stubborn = 10 };
-    int first = p->low;
+    const int n = p->n, first = p->low;
     double m[9] = {entry(p, first, first), entry(p, first, first + 1), entry(p, first + 1, first),
                    entry(p, first + 1, first + 1), entry(p, first + 2, first + 1)};
     double largest = 0;
@@ -139,15 +130,8 @@ static void shifted_column(const periodic *p, int iteration, double *x) {
         sum = 1.5 * (fabs(m[7]) + fabs(m[2]));
         product = sum * sum / 2.25;
     }
-    x[0] = m[0] * (m[0] - sum) + product + m[1] * m[2];
-    x[1] = m[2] * (m[0] + m[3] - sum);
-    x[2] = m[2] * m[4];
-}
-
-static void sweep(const periodic *p, int iteration) {
-    int n = p->n;
-    double x[3];
-    shifted_column(p, iteration, x);
+    const double x[3] = {m[0] * (m[0] - sum) + product + m[1] * m[2], m[2] * (m[0] + m[3] - sum),
+                         m[2] * m[4]};
     for (int j = p->low - 1; j < p->high - 2; j++) {
         int size = p->high - 1 - j < 3 ? p->high - 1 - j : 3;
         reflector reflection = j < p->low ? reflector_of(x, 1, j + 1, size)
@@ -187,16 +171,6 @@ static void read_off(const periodic *p, int size, double *real, double *imaginar
     imaginary[last] = -imaginary[last - 1];
 }
 
-/* First row of the trailing block [.., high) that has not split off yet. Multiple eigenvalues split only to
- * the accuracy of the product that the shifts come from, so the tolerance grows with the iterations. */
-static int first_row(const periodic *p, double size, double iteration) {
-    int first = p->high - 1;
-    double small = DBL_EPSILON * (1 + iteration * iteration * iteration / 8) * size;
-    while (first > 0 && fabs(p->h[first * p->n + first - 1]) > small)
-        first--;
-    return first;
-}
-
 bool saltus_periodic_eigenvalues(double *h, double *triangles, int n, int count, double *product,
                                  double *real, double *imaginary) {
     enum { sweeps_max = 100 };
@@ -207,9 +181,20 @@ bool saltus_periodic_eigenvalues(double *h, double *triangles, int n, int count,
         return false;
     for (int i = 0; i < n * n; i++)
         size = fmax(size, fabs(h[i]));
-    reduce_to_hessenberg(&p);
+    /* Reduce to Hessenberg form. */
+    for (int j = 0; j < n - 2; j++)
+        for (int i = n - 1; i > j + 1; i--) {
+            const reflector reflection = reflector_of(h + (i - 1) * n + j, n, i - 1, 2);
+            turn_product(&p, &reflection, j);
+            h[i * n + j] = 0;
+        }
     for (int iteration = 0; p.high > 0; iteration++) {
-        p.low = first_row(&p, size, iteration);
+        /* The first row of the trailing block [.., high) that has not split off yet. Multiple eigenvalues
+         * split only to the accuracy of the product that the shifts come from, so the tolerance grows. */
+        const double rounds = iteration, small = DBL_EPSILON * (1 + rounds * rounds * rounds / 8) * size;
+        p.low = p.high - 1;
+        while (p.low > 0 && fabs(h[p.low * n + p.low - 1]) > small)
+            p.low--;
         if (p.high - p.low > 2 && iteration == sweeps_max)
             return false;
         multiply_out(&p);

@@ -29,17 +29,6 @@ static bool goes_on(char byte) {
     return ((unsigned char)byte & 0xc0) == 0x80;
 }
 
-/* Cut the middle out of a message that is too long (usually because of a file name): the beginning names the
- * subject, the end says what is wrong. */
-static void shorten(saltus_message *message, const char *whole, size_t length) {
-    size_t begin = 200, end = length - (sizeof message->text - 1 - begin - strlen("..."));
-    while (begin > 0 && goes_on(whole[begin]))
-        begin--;
-    while (goes_on(whole[end]))
-        end++;
-    snprintf(message->text, sizeof message->text, "%.*s...%s", (int)begin, whole, whole + end);
-}
-
 __attribute__((format(printf, 3, 0))) static void fill(saltus_message *message, saltus_fault fault,
                                                        const char *format, va_list arguments) {
     va_list again;
@@ -49,8 +38,15 @@ __attribute__((format(printf, 3, 0))) static void fill(saltus_message *message, 
     int length = vsnprintf(message->text, sizeof message->text, format, arguments);
     char *whole = length >= (int)sizeof message->text ? malloc((size_t)length + 1) : NULL;
     if (whole) {
+        /* Cut the middle out of a message that is too long (usually because of a file name): the beginning
+         * names the subject, the end says what is wrong. */
+        size_t begin = 200, end = (size_t)length - (sizeof message->text - 1 - begin - strlen("..."));
         vsnprintf(whole, (size_t)length + 1, format, again);
-        shorten(message, whole, (size_t)length);
+        while (begin > 0 && goes_on(whole[begin]))
+            begin--;
+        while (goes_on(whole[end]))
+            end++;
+        snprintf(message->text, sizeof message->text, "%.*s...%s", (int)begin, whole, whole + end);
         free(whole);
     }
     va_end(again);

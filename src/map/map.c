@@ -30,9 +30,11 @@ saltus_section saltus_section_defaults(void) {
     return (saltus_section){.kind = SALTUS_SECTION_STROBOSCOPIC, .phase = 0, .iterate = 1, .patience = 1000};
 }
 
-static const double patience_max = 1e15;
-
-static saltus_status check_section(const saltus_section *section, saltus_message *message) {
+saltus_status saltus_map_new(const saltus_system *system, const saltus_section *section,
+                             const saltus_flow_options *options, bool derivative, saltus_map **map,
+                             saltus_message *message) {
+    const double patience_max = 1e15;
+    *map = NULL;
     if (section->kind < SALTUS_SECTION_STROBOSCOPIC || section->kind > SALTUS_SECTION_TURNING)
         return saltus_fail(message, SALTUS_BAD_INPUT, "section: must be stroboscopic, impact or turning");
     if (!(section->phase >= 0 && section->phase < 1))
@@ -44,16 +46,6 @@ static saltus_status check_section(const saltus_section *section, saltus_message
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "patience = %g: must be greater than 0 and at most %g periods", section->patience,
                            patience_max);
-    return SALTUS_OK;
-}
-
-saltus_status saltus_map_new(const saltus_system *system, const saltus_section *section,
-                             const saltus_flow_options *options, bool derivative, saltus_map **map,
-                             saltus_message *message) {
-    *map = NULL;
-    saltus_status status = check_section(section, message);
-    if (status != SALTUS_OK)
-        return status;
     saltus_map *made = calloc(1, sizeof *made);
     if (!made)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the map");
@@ -62,7 +54,8 @@ saltus_status saltus_map_new(const saltus_system *system, const saltus_section *
     made->n = saltus_system_dimension(system);
     made->dimension = made->n + (section->kind != SALTUS_SECTION_STROBOSCOPIC);
     made->period = saltus_system_period(system);
-    status = saltus_flow_single(system, derivative ? made->n : 0, options, &made->flow, message);
+    saltus_status status =
+        saltus_flow_single(system, derivative ? made->n : 0, options, &made->flow, message);
     const size_t n = (size_t)made->n, columns = derivative ? n : 0;
     do {
         made->start = saltus_arena_doubles(&made->arena, n);
