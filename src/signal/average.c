@@ -34,49 +34,35 @@ void saltus_average_add(saltus_average *a, double value) {
     a->size *= 2;
 }
 
-static double plain_mean(const double *sum, int batches) {
-    double mean = 0;
-    for (int k = 0; k < batches; k++)
-        mean += sum[k];
-    return mean / batches;
-}
-
-/* Autocovariance of the batches at lag t. */
-static double covariance(const double *sum, int batches, double mean, int t) {
-    double product = 0;
-    for (int k = 0; k + t < batches; k++)
-        product += (sum[k] - mean) * (sum[k + t] - mean);
-    return product / batches;
-}
-
-/* Raise the order in Levinson's recursion, which has coefficients a[1..order - 1] of an autoregression.
- * `left`, the variance of the residual, is updated. */
-static void raise_order(const double *covariances, int order, double *a, double *left) {
-    double before[most_order + 1], reflection = covariances[order];
-    for (int j = 1; j < order; j++)
-        reflection -= a[j] * covariances[order - j];
-    reflection /= *left;
-    memcpy(before, a, sizeof before);
-    a[order] = reflection;
-    for (int j = 1; j < order; j++)
-        a[j] = before[j] - reflection * before[order - j];
-    *left *= 1 - reflection * reflection;
-}
-
 /* Variance of the batches' mean: the spectrum at frequency zero of an autoregression fitted to them. */
 static double variance_of_mean(const double *sum, int batches, double mean) {
     double covariances[most_order + 1], a[most_order + 1] = {0}, variance, best;
     int orders = (int)(10 * log10(batches));
     orders = orders < most_order ? orders : most_order;
-    for (int t = 0; t <= orders; t++)
-        covariances[t] = covariance(sum, batches, mean, t);
+    for (int t = 0; t <= orders; t++) {
+        /* The batches' autocovariance at lag t. */
+        double product = 0;
+        for (int k = 0; k + t < batches; k++)
+            product += (sum[k] - mean) * (sum[k + t] - mean);
+        covariances[t] = product / batches;
+    }
     double left = covariances[0];
     if (!(left > 0))
         return 0;
     best = batches * log(left);
     variance = left / (batches - 1);
     for (int order = 1; order <= orders; order++) {
-        raise_order(covariances, order, a, &left);
+        /* Levinson's recursion: a[1..order] are the coefficients of the autoregression, `left` the variance
+         * of its residual. */
+        double before[most_order + 1], reflection = covariances[order];
+        for (int j = 1; j < order; j++)
+            reflection -= a[j] * covariances[order - j];
+        reflection /= left;
+        memcpy(before, a, sizeof before);
+        a[order] = reflection;
+        for (int j = 1; j < order; j++)
+            a[j] = before[j] - reflection * before[order - j];
+        left *= 1 - reflection * reflection;
         double rest = 1, criterion = batches * log(left) + 2 * order;
         for (int j = 1; j <= order; j++)
             rest -= a[j];
@@ -88,17 +74,6 @@ static double variance_of_mean(const double *sum, int batches, double mean) {
         }
     }
     return variance;
-}
-
-/* Half the largest excursion of the partial sums, per batch: for oscillating values the error of the mean is
- * at least this large. For random values it is 0.43 +- 0.13 of the standard error. */
-static double excursion(const double *sum, int batches, double mean) {
-    double partial = 0, largest = 0;
-    for (int k = 0; k < batches; k++) {
-        partial += sum[k] - mean;
-        largest = fmax(largest, fabs(partial));
-    }
-    return 0.5 * largest / batches;
 }
 
 /* Mean with a smooth weight that vanishes at both ends with all its derivatives. For periodic and
@@ -132,11 +107,21 @@ static saltus_estimate estimate(const double *sum, int batches, long long size, 
     saltus_estimate result = {.standard_error = INFINITY, .count = batches * size};
     if (batches < 1)
         return result;
-    double mean = plain_mean(sum, batches);
+    double mean = 0;
+    for (int k = 0; k < batches; k++)
+        mean += sum[k];
+    mean /= batches;
     result.mean = mean / (double)size;
     if (batches < least_values)
         return result;
-    double random = sqrt(variance_of_mean(sum, batches, mean)), bounded = excursion(sum, batches, mean);
+    /* Half the largest excursion of the partial sums, per batch: for oscillating values the error of the mean
+     * is at least this large. For random values it is 0.43 +- 0.13 of the standard error. */
+    double partial = 0, largest = 0;
+    for (int k = 0; k < batches; k++) {
+        partial += sum[k] - mean;
+        largest = fmax(largest, fabs(partial));
+    }
+    const double random = sqrt(variance_of_mean(sum, batches, mean)), bounded = 0.5 * largest / batches;
     result.regular = bounded >= random;
     double error = result.regular ? 2 * bounded : fmax(random, bounded);
     if (which != PLAIN && batches >= enough_to_weight) {

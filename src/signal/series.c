@@ -63,43 +63,6 @@ void saltus_series_centre(const saltus_series_points *points, double largest, do
     }
 }
 
-/* Scale the cloud so that twice the largest distance from the mean is 1. Returns the root mean square
- * distance of two points in this unit; 0 if all points coincide. */
-static double scale_to_unit(double largest, double resolution, saltus_series_cloud *cloud) {
-    double farthest = 0, squares = 0;
-    for (long long i = 0; i < cloud->count; i++) {
-        double square = 0;
-        for (int d = 0; d < cloud->dimension; d++)
-            square += cloud->x[i * cloud->dimension + d] * cloud->x[i * cloud->dimension + d];
-        farthest = fmax(farthest, square);
-        squares += square / (double)cloud->count;
-    }
-    double unit = 2 * sqrt(farthest);
-    if (!(unit > resolution))
-        return 0;
-    for (long long i = 0; i < cloud->count * cloud->dimension; i++)
-        cloud->x[i] /= unit;
-    cloud->unit = unit * largest;
-    cloud->resolution = resolution / unit;
-    return sqrt(2 * squares) / unit;
-}
-
-/* Three times the first lag at which the autocorrelation is down to 1/e: at that lag itself points are still
- * neighbours because they are close in time. */
-static long long chosen_window(const saltus_series_cloud *cloud, double spread) {
-    long long most = cloud->count / 10, lag = 1;
-    int n = cloud->dimension;
-    double limit = exp(-1.0) * 0.5 * spread * spread;
-    for (; 3 * lag < most; lag++) {
-        double sum = 0;
-        for (long long k = 0; k < (cloud->count - lag) * n; k++)
-            sum += cloud->x[k] * cloud->x[k + lag * n];
-        if (sum <= limit * (double)(cloud->count - lag))
-            break;
-    }
-    return 3 * lag < most ? 3 * lag : most;
-}
-
 saltus_status saltus_series_cloud_open(const saltus_series_points *points,
                                        const saltus_series_options *options, saltus_series_cloud *cloud,
                                        saltus_message *message) {
@@ -117,13 +80,39 @@ saltus_status saltus_series_cloud_open(const saltus_series_points *points,
     cloud->x = calloc((size_t)points->count * (size_t)points->dimension, sizeof *cloud->x);
     if (!cloud->x)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %lld points", points->count);
-    double spread = 0;
-    if (largest > 0) {
+    if (largest > 0)
         saltus_series_centre(points, largest, cloud->x);
-        spread = scale_to_unit(largest, options->resolution, cloud);
+    /* Scale the cloud so that twice the largest distance from the mean is 1. */
+    const int n = points->dimension;
+    double farthest = 0, squares = 0;
+    for (long long i = 0; i < cloud->count; i++) {
+        double square = 0;
+        for (int d = 0; d < n; d++)
+            square += cloud->x[i * n + d] * cloud->x[i * n + d];
+        farthest = fmax(farthest, square);
+        squares += square / (double)cloud->count;
     }
-    cloud->window = options->window >= 0 ? options->window
-                    : cloud->unit > 0    ? chosen_window(cloud, spread)
-                                         : 0;
+    const double unit = 2 * sqrt(farthest);
+    cloud->window = options->window >= 0 ? options->window : 0;
+    if (!(unit > options->resolution)) /* all points coincide */
+        return SALTUS_OK;
+    for (long long i = 0; i < cloud->count * n; i++)
+        cloud->x[i] /= unit;
+    cloud->unit = unit * largest;
+    cloud->resolution = options->resolution / unit;
+    if (options->window >= 0)
+        return SALTUS_OK;
+    /* Three times the first lag at which the autocorrelation is down to 1/e: at that lag itself points are
+     * still neighbours because they are close in time. */
+    const double spread = sqrt(2 * squares) / unit, limit = exp(-1.0) * 0.5 * spread * spread;
+    long long most = cloud->count / 10, lag = 1;
+    for (; 3 * lag < most; lag++) {
+        double sum = 0;
+        for (long long k = 0; k < (cloud->count - lag) * n; k++)
+            sum += cloud->x[k] * cloud->x[k + lag * n];
+        if (sum <= limit * (double)(cloud->count - lag))
+            break;
+    }
+    cloud->window = 3 * lag < most ? 3 * lag : most;
     return SALTUS_OK;
 }

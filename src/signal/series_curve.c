@@ -28,7 +28,6 @@ typedef struct survey {
     double *thin, *thick; /* [places]: ratios of width to length with few and with many neighbours */
     double *offset;       /* [many + 1][dimension]: neighbourhood relative to its mean */
     double *direction, *image;
-    double balance;       /* mean over the places */
     long long coincident; /* points within the resolution of a place, summed over places */
 } survey;
 
@@ -70,10 +69,23 @@ static void normalise(double *a, int n) {
         a[d] = square > 0 ? a[d] / sqrt(square) : d == 0;
 }
 
-/* The dominant direction, by power iteration. If that converges slowly none dominates, and any will do. */
-static void find_direction(survey *s, int count) {
+/* Width over length of the neighbourhood of point i: 0 for points on a line, up to 1 on a surface, more in
+ * higher dimensions. Leaves the offsets from the mean (the point's own last) and their direction in `s`. */
+static double width_over_length(survey *s, long long i, const long long *neighbour, int count) {
     enum { iterations = 20 };
     int n = s->cloud->dimension;
+    double length = 0, width = 0;
+    for (int d = 0; d < n; d++) {
+        double mean = 0;
+        for (int k = 0; k <= count; k++) {
+            s->offset[k * n + d] = saltus_series_cloud_point(s->cloud, k < count ? neighbour[k] : i)[d];
+            mean += s->offset[k * n + d] / (count + 1);
+        }
+        for (int k = 0; k <= count; k++)
+            s->offset[k * n + d] -= mean;
+    }
+    /* The dominant direction, by power iteration. If that converges slowly none dominates, and any will do.
+     */
     memcpy(s->direction, s->offset + (count - 1) * n, (size_t)n * sizeof *s->direction);
     normalise(s->direction, n);
     for (int round = 0; round < iterations; round++) {
@@ -86,23 +98,6 @@ static void find_direction(survey *s, int count) {
         memcpy(s->direction, s->image, (size_t)n * sizeof *s->direction);
         normalise(s->direction, n);
     }
-}
-
-/* Width over length of the neighbourhood of point i: 0 for points on a line, up to 1 on a surface, more in
- * higher dimensions. Leaves the offsets from the mean (the point's own last) and their direction in `s`. */
-static double width_over_length(survey *s, long long i, const long long *neighbour, int count) {
-    int n = s->cloud->dimension;
-    double length = 0, width = 0;
-    for (int d = 0; d < n; d++) {
-        double mean = 0;
-        for (int k = 0; k <= count; k++) {
-            s->offset[k * n + d] = saltus_series_cloud_point(s->cloud, k < count ? neighbour[k] : i)[d];
-            mean += s->offset[k * n + d] / (count + 1);
-        }
-        for (int k = 0; k <= count; k++)
-            s->offset[k * n + d] -= mean;
-    }
-    find_direction(s, count);
     for (int k = 0; k <= count; k++) {
         const double *offset = s->offset + k * n;
         double along = saltus_dot(offset, s->direction, n);
@@ -125,43 +120,30 @@ static double balance_of(const survey *s) {
     return 2.0 / many * (before < many - before ? before : many - before);
 }
 
-static void look_around(survey *s) {
-    for (int k = 0; k < s->places; k++) {
-        long long i = place_at(s, k), *neighbour = s->neighbour + (size_t)k * many;
-        find_neighbours(s, i, neighbour);
-        s->thin[k] = width_over_length(s, i, neighbour, few);
-        s->thick[k] = width_over_length(s, i, neighbour, many);
-        s->balance += balance_of(s) / s->places;
-    }
-    gsl_sort(s->thin, 1, (size_t)s->places);
-    gsl_sort(s->thick, 1, (size_t)s->places);
-}
-
-/* Number of points closer to i than j is, at most `most`, without those close in time to i. */
-static int rank_of(const saltus_series_cloud *cloud, long long i, long long j, int most) {
-    const double *point = saltus_series_cloud_point(cloud, i);
-    double limit = saltus_distance_square(point, saltus_series_cloud_point(cloud, j), cloud->dimension);
-    int rank = 0;
-    for (long long k = 0; k < cloud->count && rank < most; k++)
-        if (k < i - cloud->window || k > i + cloud->window)
-            rank +=
-                saltus_distance_square(point, saltus_series_cloud_point(cloud, k), cloud->dimension) < limit;
-    return rank;
-}
-
 /* Share of nearest neighbours that still have a low rank some time later. Pairs near the end of the series
  * are left out. */
 static double share_kept(const survey *s) {
     const double silver = 0.4142135623730951;
+    const saltus_series_cloud *cloud = s->cloud;
     int pairs = 0, kept = 0;
     for (int k = 0; k < s->places; k++) {
         long long i = place_at(s, k), j = s->neighbour[(size_t)k * many];
-        long long left = s->cloud->count - 1 - (i > j ? i : j);
+        long long left = cloud->count - 1 - (i > j ? i : j);
         long long later = 1 + (long long)(fmod(silver * (k + 1), 1) * (double)(left - 1));
-        if (left < s->cloud->count / 10)
+        if (left < cloud->count / 10)
             continue;
         pairs++;
-        kept += rank_of(s->cloud, i + later, j + later, still_near + 1) <= still_near;
+        i += later;
+        j += later;
+        /* How many points are closer to i than j is, without those close in time to i. */
+        const double *point = saltus_series_cloud_point(cloud, i);
+        double limit = saltus_distance_square(point, saltus_series_cloud_point(cloud, j), cloud->dimension);
+        int rank = 0;
+        for (long long l = 0; l < cloud->count && rank <= still_near; l++)
+            if (l < i - cloud->window || l > i + cloud->window)
+                rank += saltus_distance_square(point, saltus_series_cloud_point(cloud, l), cloud->dimension) <
+                        limit;
+        kept += rank <= still_near;
     }
     return pairs > 0 ? (double)kept / pairs : 0;
 }
@@ -196,7 +178,16 @@ static int count_curves(const survey *s) {
 static void judge(survey *s, saltus_series_curve *curve) {
     static const double thin_enough = 0.2, surely_thin = 0.01, grows = 1.5, thick_at_most = 0.35, most = 0.95,
                         balanced = 0.58, no_end = 0.3;
-    look_around(s);
+    double balance = 0; /* mean over the places */
+    for (int k = 0; k < s->places; k++) {
+        long long i = place_at(s, k), *neighbour = s->neighbour + (size_t)k * many;
+        find_neighbours(s, i, neighbour);
+        s->thin[k] = width_over_length(s, i, neighbour, few);
+        s->thick[k] = width_over_length(s, i, neighbour, many);
+        balance += balance_of(s) / s->places;
+    }
+    gsl_sort(s->thin, 1, (size_t)s->places);
+    gsl_sort(s->thick, 1, (size_t)s->places);
     double thin = gsl_stats_median_from_sorted_data(s->thin, 1, (size_t)s->places);
     double thick = gsl_stats_median_from_sorted_data(s->thick, 1, (size_t)s->places);
     curve->thickness = thin;
@@ -206,7 +197,7 @@ static void judge(survey *s, saltus_series_curve *curve) {
         return;
     curve->kept = share_kept(s);
     curve->ends = balance_at_ends(s);
-    curve->balance = s->balance;
+    curve->balance = balance;
     curve->closed = s->cloud->dimension > 1 && thin <= thin_enough && thick <= thick_at_most &&
                     (curve->thinning >= grows || thin <= surely_thin) && curve->kept >= most &&
                     curve->balance >= balanced && curve->ends >= no_end;

@@ -63,13 +63,6 @@ static inline int bin_of(double square) {
     return bin < 0 ? 0 : bin >= bins ? bins - 1 : (int)bin;
 }
 
-static double edge_square(int edge) {
-    uint64_t bits = (uint64_t)(edge + lowest) << dropped_bits;
-    double square;
-    memcpy(&square, &bits, sizeof square);
-    return square;
-}
-
 /* Count the pairs of point i with the points from `from` to before `to`. */
 static void compare_with(const saltus_series_cloud *cloud, long long i, long long from, long long to,
                          long long *pairs, tally *t) {
@@ -83,17 +76,6 @@ static void compare_with(const saltus_series_cloud *cloud, long long i, long lon
     }
     t->compared += to > from ? to - from : 0;
     t->coincident += coincident;
-}
-
-static void compare_all(const saltus_series_cloud *cloud, tally *t) {
-    for (int a = 0; a < blocks; a++)
-        for (int b = a; b < blocks; b++) {
-            long long to = (b + 1) * cloud->count / blocks, start = b * cloud->count / blocks;
-            for (long long i = a * cloud->count / blocks; i < (a + 1) * cloud->count / blocks; i++) {
-                long long later = i + cloud->window + 1;
-                compare_with(cloud, i, later > start ? later : start, to, tally_of(t, a, b), t);
-            }
-        }
 }
 
 /* Compare `pairs` random pairs, except those that are close in time. */
@@ -126,8 +108,12 @@ static void accumulate(const saltus_series_cloud *cloud, tally *t) {
     for (int r = 0; r < replicates; r++)
         for (int e = 1; e < edges; e++)
             t->count[r * edges + e] += t->count[r * edges + e - 1];
-    for (int e = 0; e < edges; e++)
-        t->radius[e] = 0.5 * log(edge_square(e));
+    for (int e = 0; e < edges; e++) {
+        const uint64_t bits = (uint64_t)(e + lowest) << dropped_bits;
+        double square;
+        memcpy(&square, &bits, sizeof square);
+        t->radius[e] = 0.5 * log(square);
+    }
     t->neighbours = (double)cloud->count / (double)t->compared;
 }
 
@@ -202,30 +188,24 @@ static bool is_known(const range *r) {
     return hypot(r->sampling, r->deviation) < fmax(0.1, 0.1 * r->slope);
 }
 
-/* Edges between which there are enough pairs, but not too many: near the size of the whole set counts do not
- * follow a power law. */
-static void limit_edges(const saltus_series_cloud *cloud, const tally *t, int *low, int *high) {
+/* Choose the range; false if there is none. A decade or more if the slope is known there, otherwise a shorter
+ * range. A decade at smaller radii takes precedence if its slope is different. Turns t->count into
+ * logarithms. */
+static bool choose_range(const saltus_series_cloud *cloud, tally *t, range *best) {
     static const double largest_share = 0.05;
-    *low = edges;
-    *high = 0;
+    int low = edges, high = 0;
+    /* Edges between which there are enough pairs, but not too many: near the size of the whole set counts do
+     * not follow a power law. */
     for (int e = edges - 1; e >= 0; e--) {
         double left = INFINITY;
         for (int r = 1; r < replicates; r++)
             left = fmin(left, t->count[r * edges + e]);
         if (left >= least_left && t->count[e] >= least_pairs &&
             exp(t->radius[e]) > decade * cloud->resolution)
-            *low = e;
-        if (*high == 0 && t->count[e] <= largest_share * (double)t->compared)
-            *high = e;
+            low = e;
+        if (high == 0 && t->count[e] <= largest_share * (double)t->compared)
+            high = e;
     }
-}
-
-/* Choose the range; false if there is none. A decade or more if the slope is known there, otherwise a shorter
- * range. A decade at smaller radii takes precedence if its slope is different. Turns t->count into
- * logarithms. */
-static bool choose_range(const saltus_series_cloud *cloud, tally *t, range *best) {
-    int low, high;
-    limit_edges(cloud, t, &low, &high);
     for (int k = 0; k < replicates * edges; k++)
         t->count[k] = log(t->count[k]);
     range other;
@@ -247,9 +227,16 @@ static saltus_status judge(const saltus_series_cloud *cloud, const saltus_series
                            saltus_series_dimension *dimension, saltus_message *message) {
     range r;
     saltus_random_seed(&t->random, options->seed);
-    if (cloud->count * (cloud->count - 1) / 2 <= options->pairs)
-        compare_all(cloud, t);
-    else
+    const bool all = cloud->count * (cloud->count - 1) / 2 <= options->pairs;
+    for (int a = 0; a < blocks && all; a++)
+        for (int b = a; b < blocks; b++) {
+            long long to = (b + 1) * cloud->count / blocks, start = b * cloud->count / blocks;
+            for (long long i = a * cloud->count / blocks; i < (a + 1) * cloud->count / blocks; i++) {
+                long long later = i + cloud->window + 1;
+                compare_with(cloud, i, later > start ? later : start, to, tally_of(t, a, b), t);
+            }
+        }
+    if (!all)
         compare_some(cloud, options->pairs, t);
     accumulate(cloud, t);
     dimension->distinct = 0;

@@ -31,8 +31,6 @@ static void measure(const saltus_signal *signal, saltus_spectrum *s) {
         s->mean = 0;
 }
 
-/* Whole orbits */
-
 /* Power of the transformed samples: in time, and in the bins of the transform. */
 typedef struct parseval_sums {
     saltus_sum in_time, in_bins;
@@ -54,44 +52,40 @@ static void transform_and_compare(saltus_transform *t, parseval_sums *sums) {
     }
 }
 
-/* Subtract -slope length / 2 B2(x) - bend length^2 / 6 B3(x), a function of period `length` with the same
- * corner; B2 and B3 are Bernoulli polynomials of x = (t - time) / length in [0, 1). A function without
- * corners has lines that fall with the fourth power of their number. */
-static void take_corner(const saltus_corner *corner, double length, long long count, double *samples) {
-    for (long long j = 0; j < count; j++) {
-        double x = (double)j / (double)count - corner->time / length;
-        x -= floor(x);
-        samples[j] += corner->slope * length / 2 * (x * (x - 1) + 1.0 / 6) +
-                      corner->bend * length * length / 6 * x * (x - 0.5) * (x - 1);
-    }
-}
-
-/* Add its lines, (slope s^-2 + bend s^-3) / length at s = 2 pi i k / length, turned to the corner's time. */
-static void return_corner(const saltus_corner *corner, double length, long long bins, double complex *lines) {
-    enum { stretch = 64 }; /* bins computed from one angle, so that rounding errors do not accumulate */
-    double turn = fmod(corner->time, length) / length;
-    double complex factor = cexp(-2 * M_PI * I * turn), at = 1;
-    for (long long k = 1; k < bins; k++) {
-        double angle = 2 * M_PI * (double)k, place = turn * (double)k;
-        at = k % stretch == 1 ? cexp(-2 * M_PI * I * (place - floor(place))) : at * factor;
-        lines[k] -= at * length / (angle * angle) * (corner->slope - corner->bend * length * I / angle);
-    }
-}
-
 /* Lines of a signal without its mean, in t->output: the transform divided by the number of samples. Corners
- * are removed before and their lines added after; the transform of a primitive is differentiated. Returns the
- * error in Parseval's identity. */
+ * are removed before: a function of period `length` with the same corner is -slope length / 2 B2(x) - bend
+ * length^2 / 6 B3(x), where B2 and B3 are Bernoulli polynomials of x = (t - time) / length in [0, 1); without
+ * corners lines fall with the fourth power of their number. Its lines, (slope s^-2 + bend s^-3) / length at
+ * s = 2 pi i k / length, turned to the corner's time, are added after. The transform of a primitive is
+ * differentiated. Returns the error in Parseval's identity. */
 static double transform_whole(saltus_transform *t, const saltus_signal *signal, double mean) {
-    double length = (double)signal->count / signal->per_period;
+    enum { stretch = 64 }; /* bins computed from one angle, so that rounding errors do not accumulate */
+    const double length = (double)signal->count / signal->per_period;
     parseval_sums sums = {0};
     saltus_signal_steady(signal, mean, 0, t->count, t->input);
     for (long long c = 0; c < signal->corner_count; c++)
-        take_corner(&signal->corners[c], length, t->count, t->input);
+        for (long long j = 0; j < t->count; j++) {
+            const saltus_corner *corner = &signal->corners[c];
+            double x = (double)j / (double)t->count - corner->time / length;
+            x -= floor(x);
+            t->input[j] += corner->slope * length / 2 * (x * (x - 1) + 1.0 / 6) +
+                           corner->bend * length * length / 6 * x * (x - 0.5) * (x - 1);
+        }
     transform_and_compare(t, &sums);
     for (long long k = 0; k < t->bins; k++)
         t->output[k] /= (double)t->count;
-    for (long long c = 0; c < signal->corner_count; c++)
-        return_corner(&signal->corners[c], length, t->bins, t->output);
+    for (long long c = 0; c < signal->corner_count; c++) {
+        const saltus_corner *corner = &signal->corners[c];
+        const double turn = fmod(corner->time, length) / length;
+        const double complex factor = cexp(-2 * M_PI * I * turn);
+        double complex at = 1;
+        for (long long k = 1; k < t->bins; k++) {
+            const double angle = 2 * M_PI * (double)k, place = turn * (double)k;
+            at = k % stretch == 1 ? cexp(-2 * M_PI * I * (place - floor(place))) : at * factor;
+            t->output[k] -=
+                at * length / (angle * angle) * (corner->slope - corner->bend * length * I / angle);
+        }
+    }
     for (long long k = 0; signal->primitive && k < t->bins; k++)
         t->output[k] *= 2 * M_PI * I * (double)k / length;
     return parseval_error(&sums);
@@ -199,30 +193,10 @@ saltus_status saltus_signal_orbits(const saltus_signal *signal, int periods, sal
     return status;
 }
 
-/* Welch's method */
-
 /* Periodic Hann window; its transform has three bins. */
 static double hann(long long j, long long length) {
     double sine = sin(M_PI * (double)j / (double)length);
     return sine * sine;
-}
-
-/* Transform of one windowed segment, in `segment`. For a primitive q it is that of w q' = (w q)' - w' q,
- * because the window w vanishes at both ends. */
-static void transform_segment(saltus_transform *t, const double *window, const saltus_signal *signal,
-                              double *steady, double complex *segment, parseval_sums *sums) {
-    double periods = (double)t->count / signal->per_period;
-    for (long long j = 0; j < t->count; j++)
-        t->input[j] = window[j] * steady[j];
-    transform_and_compare(t, sums);
-    memcpy(segment, t->output, (size_t)t->bins * sizeof *segment);
-    if (!signal->primitive)
-        return;
-    for (long long j = 0; j < t->count; j++)
-        t->input[j] = M_PI / periods * sin(2 * M_PI * (double)j / (double)t->count) * steady[j];
-    fftw_execute(t->plan);
-    for (long long k = 0; k < t->bins; k++)
-        segment[k] = 2 * M_PI * I * (double)k / periods * segment[k] - t->output[k];
 }
 
 /* Averaged density of a signal with the given mean; `parseval` may be NULL. */
@@ -243,7 +217,20 @@ static saltus_status average_segments(const saltus_signal *signal, double mean, 
     long long hop = length / 2, segments = (signal->count - length) / hop + 1;
     for (long long m = 0; status == SALTUS_OK && m < segments; m++) {
         saltus_signal_steady(signal, mean, m * hop, length, steady);
-        transform_segment(&t, window, signal, steady, segment, &sums);
+        for (long long j = 0; j < length; j++)
+            t.input[j] = window[j] * steady[j];
+        transform_and_compare(&t, &sums);
+        memcpy(segment, t.output, (size_t)t.bins * sizeof *segment);
+        if (signal->primitive) {
+            /* Of a primitive q the transform is that of w q' = (w q)' - w' q, because the window w vanishes
+             * at both ends. */
+            const double periods = (double)length / signal->per_period;
+            for (long long j = 0; j < length; j++)
+                t.input[j] = M_PI / periods * sin(2 * M_PI * (double)j / (double)length) * steady[j];
+            fftw_execute(t.plan);
+            for (long long k = 0; k < t.bins; k++)
+                segment[k] = 2 * M_PI * I * (double)k / periods * segment[k] - t.output[k];
+        }
         for (long long k = 0; k < t.bins; k++) {
             double re = creal(segment[k]), im = cimag(segment[k]);
             density[k] += saltus_bin_weight(k, length) * (re * re + im * im) /

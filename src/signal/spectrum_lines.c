@@ -95,29 +95,6 @@ static void take_away(finder *self, const peak *p, double sign) {
         self->left[k] -= sign * line_in_bin(p, k, (double)self->count);
 }
 
-/* Solve the 3 x 3 normal equations. Where a column is zero (the sine at half the sampling frequency, the
- * frequency of a line without amplitude), so is its unknown. */
-static void solve(double a[3][3], double b[3], double x[3]) {
-    bool used[3] = {false};
-    double scale = fmax(a[0][0], fmax(a[1][1], a[2][2]));
-    for (int c = 0; c < 3; c++) {
-        x[c] = 0;
-        used[c] = a[c][c] > 1e-8 * scale;
-        for (int r = c + 1; used[c] && r < 3; r++) {
-            double factor = a[r][c] / a[c][c];
-            for (int k = c; k < 3; k++)
-                a[r][k] -= factor * a[c][k];
-            b[r] -= factor * b[c];
-        }
-    }
-    for (int c = 2; c >= 0; c--) {
-        double sum = b[c];
-        for (int k = c + 1; k < 3; k++)
-            sum -= a[c][k] * x[k];
-        x[c] = used[c] ? sum / a[c][c] : 0;
-    }
-}
-
 /* One Gauss-Newton step for one line, the others fixed. Unknowns: real and imaginary part of the half
  * amplitude, and the place times the modulus. */
 static void refit(finder *self, peak *p) {
@@ -138,7 +115,25 @@ static void refit(finder *self, peak *p) {
                 a[r][c] += creal(conj(column[r]) * column[c]);
         }
     }
-    solve(a, b, x);
+    /* Solve the normal equations. Where a column is zero (the sine at half the sampling frequency, the
+     * frequency of a line without amplitude), so is its unknown. */
+    const double scale = fmax(a[0][0], fmax(a[1][1], a[2][2]));
+    bool used[3];
+    for (int c = 0; c < 3; c++) {
+        used[c] = a[c][c] > 1e-8 * scale;
+        for (int r = c + 1; used[c] && r < 3; r++) {
+            double factor = a[r][c] / a[c][c];
+            for (int k = c; k < 3; k++)
+                a[r][k] -= factor * a[c][k];
+            b[r] -= factor * b[c];
+        }
+    }
+    for (int c = 2; c >= 0; c--) {
+        double sum = b[c];
+        for (int k = c + 1; k < 3; k++)
+            sum -= a[c][k] * x[k];
+        x[c] = used[c] ? sum / a[c][c] : 0;
+    }
     take_away(self, p, -1);
     p->half_amplitude += x[0] + I * x[1];
     p->place += modulus > 0 ? fmax(-0.3, fmin(0.3, x[2] / modulus)) : 0;
@@ -148,19 +143,6 @@ static void refit(finder *self, peak *p) {
 
 static double power(double complex z) {
     return creal(z) * creal(z) + cimag(z) * cimag(z);
-}
-
-/* Level of the continuum in each block, from what is left. */
-static void find_levels(finder *self) {
-    double sample[3 * block];
-    for (long long first = 0; first <= self->last; first += block) {
-        long long from = first > block ? first - block : 0, to = first + 2 * block;
-        size_t size = 0;
-        for (long long k = from; k < to && k < self->bins; k++)
-            sample[size++] = power(self->left[k]);
-        self->level[first / block] =
-            gsl_stats_select(sample, 1, size, (size_t)(quantile * (double)(size - 1)));
-    }
 }
 
 static bool stands_out(const finder *self, long long k) {
@@ -179,8 +161,16 @@ static void mark_tried(finder *self, long long place) {
  * kept. */
 static int admit(finder *self) {
     const int before = self->peak_count;
-    double strongest = 0;
-    find_levels(self);
+    double strongest = 0, sample[3 * block];
+    /* Level of the continuum in each block, from what is left. */
+    for (long long first = 0; first <= self->last; first += block) {
+        long long from = first > block ? first - block : 0, to = first + 2 * block;
+        size_t size = 0;
+        for (long long k = from; k < to && k < self->bins; k++)
+            sample[size++] = power(self->left[k]);
+        self->level[first / block] =
+            gsl_stats_select(sample, 1, size, (size_t)(quantile * (double)(size - 1)));
+    }
     for (long long k = 1; k <= self->last; k++)
         if (stands_out(self, k))
             strongest = fmax(strongest, power(self->left[k]));
@@ -230,18 +220,6 @@ static bool prune(finder *self) {
     bool pruned = kept < self->peak_count;
     self->peak_count = kept;
     return pruned;
-}
-
-static void find_lines(finder *self) {
-    enum { fresh = 4, settled = 6, prunings_max = 8 };
-    for (int round = 0; round < rounds_max && self->peak_count < self->most; round++) {
-        if (admit(self) == 0)
-            break;
-        relax(self, fresh);
-    }
-    relax(self, settled);
-    for (int k = 0; k < prunings_max && prune(self); k++)
-        relax(self, fresh);
 }
 
 /* Transform the mean-free signal times the window or times the window's derivative, into t->output. */
@@ -305,14 +283,6 @@ static saltus_status open_finder(finder *self, const saltus_signal *signal, doub
                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory to look for lines");
 }
 
-static void close_finder(finder *self) {
-    free(self->left);
-    free(self->peaks);
-    free(self->tried);
-    free(self->level);
-    saltus_transform_close(&self->transform);
-}
-
 static int by_place(const void *a, const void *b) {
     const peak *p = a, *q = b;
     return (p->place > q->place) - (p->place < q->place);
@@ -338,6 +308,7 @@ static int report(finder *self, const saltus_signal *signal, double variance, sa
 saltus_status saltus_signal_lines(const saltus_signal *signal, double highest, int most,
                                   saltus_spectral_line *lines, int *line_count, double *broadband,
                                   saltus_message *message) {
+    enum { fresh = 4, settled = 6, prunings_max = 8 };
     *line_count = 0;
     *broadband = 0;
     saltus_status status = saltus_signal_check(signal, message);
@@ -358,11 +329,19 @@ saltus_status saltus_signal_lines(const saltus_signal *signal, double highest, i
     if (status == SALTUS_OK) {
         transform_signal(&self, signal, mean);
         self.total = power_left(&self);
-        find_lines(&self);
+        for (int round = 0; round < rounds_max && self.peak_count < self.most && admit(&self) > 0; round++)
+            relax(&self, fresh);
+        relax(&self, settled);
+        for (int k = 0; k < prunings_max && prune(&self); k++)
+            relax(&self, fresh);
         *broadband = self.total > 0 ? fmin(1, power_left(&self) / self.total) : 0;
         *line_count = report(&self, signal, saltus_signal_variance(signal, mean), lines);
     }
-    close_finder(&self);
+    free(self.left);
+    free(self.peaks);
+    free(self.tried);
+    free(self.level);
+    saltus_transform_close(&self.transform);
     return status;
 }
 
