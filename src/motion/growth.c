@@ -82,18 +82,6 @@ void saltus_growth_aim(const saltus_growth *g, saltus_flow *flow, int lane) {
     saltus_flow_aim(flow, lane, part < g->parts ? within : end, g->watch);
 }
 
-/* Shorten the interval if the growths differ too much, lengthen it if they have not for a while. */
-static void adapt(saltus_growth *g) {
-    double widest = g->open.widest;
-    g->calm = widest < narrow ? g->calm + 1 : 0;
-    if (widest > (g->columns > 1 ? 1.5 * too_wide : too_long) && g->parts < most_parts)
-        g->parts *= 2;
-    else if (g->calm >= calm_samples && g->parts > 1) {
-        g->parts = (g->parts + 1) / 2;
-        g->calm = 0;
-    }
-}
-
 /* Measure the vectors' growth and orthonormalise them. False if they are not finite. */
 static bool orthonormalise(saltus_growth *g, saltus_flow *flow, int lane) {
     const double *scale = saltus_system_scale(saltus_flow_system(flow, lane));
@@ -125,10 +113,8 @@ static bool orthonormalise(saltus_growth *g, saltus_flow *flow, int lane) {
 saltus_status saltus_growth_follow(saltus_growth *g, saltus_flow *flow, int lane, const saltus_event *event,
                                    bool *complete, saltus_message *message) {
     *complete = false;
-    if (g->table) {
-        double state[SALTUS_STATE_MAX];
-        g->open.trace += saltus_trace_over_step(flow, lane, g->table, state, &g->steps);
-    }
+    if (g->table)
+        g->open.trace += saltus_trace_over_step(flow, lane, g->table, &g->steps);
     if (event->kind == SALTUS_STICK || event->kind == SALTUS_IMPACT) {
         int lost = saltus_lost_directions(flow, lane, event);
         g->lost = lost > g->lost ? lost : g->lost;
@@ -144,8 +130,15 @@ saltus_status saltus_growth_follow(saltus_growth *g, saltus_flow *flow, int lane
     if (*complete) {
         memcpy(g->sample, g->open.logarithms, (size_t)g->columns * sizeof *g->sample);
         g->trace = g->open.trace;
-        if (!g->fixed)
-            adapt(g);
+        /* Shorten the interval if the growths differ too much, lengthen it if they have not for a while. */
+        const double widest = g->open.widest;
+        g->calm = widest < narrow && !g->fixed ? g->calm + 1 : 0;
+        if (!g->fixed && widest > (g->columns > 1 ? 1.5 * too_wide : too_long) && g->parts < most_parts)
+            g->parts *= 2;
+        else if (g->calm >= calm_samples && g->parts > 1) {
+            g->parts = (g->parts + 1) / 2;
+            g->calm = 0;
+        }
         open_sample(g, saltus_flow_time(flow, lane).cycle);
     }
     return SALTUS_OK;

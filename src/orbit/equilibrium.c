@@ -44,19 +44,6 @@ saltus_equilibrium_options saltus_equilibrium_defaults(void) {
     return (saltus_equilibrium_options){.iterations = 50, .tolerance = 1e-12};
 }
 
-static void reserve(newton *w) {
-    size_t n = (size_t)w->n, unknowns = (size_t)w->unknowns;
-    w->state = saltus_arena_doubles(&w->arena, n);
-    w->trial = saltus_arena_doubles(&w->arena, n);
-    w->field = saltus_arena_doubles(&w->arena, n);
-    w->step = saltus_arena_doubles(&w->arena, unknowns);
-    w->next = saltus_arena_doubles(&w->arena, unknowns);
-    w->jacobian = saltus_arena_doubles(&w->arena, n * n);
-    w->basis = saltus_arena_doubles(&w->arena, n * n);
-    w->product = saltus_arena_doubles(&w->arena, n * n);
-    w->matrix = saltus_arena_doubles(&w->arena, unknowns * unknowns);
-}
-
 /* Evaluate the field and its Jacobian at a state with given contacts. */
 static saltus_status evaluate(newton *w, const double *state, unsigned contacts, saltus_message *message) {
     saltus_status status = saltus_flow_place(w->flow, 0, (saltus_time){0, 0}, state, contacts, message);
@@ -101,45 +88,35 @@ static double find_step(newton *w, const double *state, double *step) {
     return isfinite(largest) ? largest : INFINITY;
 }
 
-/* Find the longest part of the step after which the next step would be smaller, and leave the state there in
- * w->trial. *part is 0 if there is none. */
-static saltus_status shorten(newton *w, double *part, saltus_message *message) {
-    enum { halvings_max = 12 };
-    int dof = w->system->dof;
-    *part = 1;
-    for (int k = 0; k < halvings_max; k++, *part /= 2) {
-        for (int i = 0; i < w->n; i++)
-            w->trial[i] = i >= dof && i < 2 * dof ? 0 : w->state[i] + *part * w->step[i];
-        saltus_status status = evaluate(w, w->trial, 0, message);
-        if (status != SALTUS_OK || find_step(w, w->trial, w->next) <= (1 - *part / 4) * w->size)
-            return status;
-    }
-    *part = 0;
-    return SALTUS_OK;
-}
-
-/* Newton's method from a guess with given contacts. */
+/* Newton's method from a guess with given contacts. Each step is shortened to the longest part of it after
+ * which the next step would be smaller. */
 static saltus_status solve(newton *w, const double *guess, unsigned contacts,
                            const saltus_equilibrium_options *options, saltus_message *message) {
+    enum { halvings_max = 12 };
     int dof = w->system->dof;
     w->contacts = contacts;
     for (int i = 0; i < w->n; i++)
         w->state[i] = i >= dof && i < 2 * dof ? 0 : guess[i];
     saltus_status status = evaluate(w, w->state, 0, message);
     for (int k = 0; k < options->iterations && status == SALTUS_OK; k++) {
-        double part;
+        double part = 1;
         w->iterations++;
         if (!factor(w))
             return saltus_fail(message, SALTUS_SINGULAR,
                                "Newton's matrix is singular: the equilibrium is not isolated");
         w->size = find_step(w, w->state, w->step);
-        status = shorten(w, &part, message);
-        bool done = w->size <= options->tolerance;
-        if (status == SALTUS_OK && part > 0)
+        bool smaller = false;
+        for (int h = 0; h < halvings_max && status == SALTUS_OK && !smaller; h++, part /= 2) {
+            for (int i = 0; i < w->n; i++)
+                w->trial[i] = i >= dof && i < 2 * dof ? 0 : w->state[i] + part * w->step[i];
+            status = evaluate(w, w->trial, 0, message);
+            smaller = status == SALTUS_OK && find_step(w, w->trial, w->next) <= (1 - part / 4) * w->size;
+        }
+        if (smaller)
             memcpy(w->state, w->trial, (size_t)w->n * sizeof *w->state);
-        if (status == SALTUS_OK && done)
+        if (status == SALTUS_OK && w->size <= options->tolerance)
             return SALTUS_OK;
-        if (part == 0)
+        if (!smaller)
             break;
     }
     return status != SALTUS_OK
@@ -177,23 +154,6 @@ static unsigned corrected_contacts(const newton *w) {
                          : w->contacts;
 }
 
-/* Faces that a guess touches or passes, within a tolerance. */
-static unsigned touched_faces(const saltus_system *system, const double *guess) {
-    unsigned touched = 0;
-    for (int f = 0; f < system->face_count; f++)
-        if (saltus_system_gap(system, f, guess) > -1e-9 * saltus_system_gap_size(system, f, guess))
-            touched |= 1u << f;
-    return touched;
-}
-
-/* Whether contacts can hold together: at most as many as displacements, and one side of each stop. */
-static bool possible(const saltus_system *system, unsigned set) {
-    bool apart = saltus_count_bits(set) <= system->dof;
-    for (int f = 1; f < system->face_count; f++)
-        apart = apart && !(system->faces[f].stop == system->faces[f - 1].stop && (set >> (f - 1) & 3) == 3);
-    return apart;
-}
-
 static bool is_among(const unsigned *sets, int count, unsigned set) {
     int k = 0;
     while (k < count && sets[k] != set)
@@ -207,9 +167,13 @@ static saltus_status search(newton *w, const double *guess, const saltus_equilib
                             saltus_message *message) {
     enum { followed_most = 64 };
     const unsigned all = (1u << w->system->face_count) - 1;
-    unsigned followed[followed_most], set = touched_faces(w->system, guess), other = 0;
+    unsigned followed[followed_most], set = 0, other = 0;
     int count = 0;
     saltus_status first = SALTUS_OK;
+    /* Faces that the guess touches or passes, within a tolerance. */
+    for (int f = 0; f < w->system->face_count; f++)
+        if (saltus_system_gap(w->system, f, guess) > -1e-9 * saltus_system_gap_size(w->system, f, guess))
+            set |= 1u << f;
     for (bool following = true, more = true; more;) {
         saltus_status status = solve(w, guess, set, options, count ? NULL : message);
         unsigned next = status == SALTUS_OK ? corrected_contacts(w) : set;
@@ -226,7 +190,12 @@ static saltus_status search(newton *w, const double *guess, const saltus_equilib
         }
         for (more = false; !more && other <= all;) {
             set = other;
-            more = possible(w->system, set) && !is_among(followed, count, set);
+            /* Contacts can hold together if they are at most as many as displacements, one side of each stop.
+             */
+            more = saltus_count_bits(set) <= w->system->dof && !is_among(followed, count, set);
+            for (int f = 1; f < w->system->face_count; f++)
+                more = more && !(w->system->faces[f].stop == w->system->faces[f - 1].stop &&
+                                 (set >> (f - 1) & 3) == 3);
             other = other == all ? all + 1 : saltus_next_subset(all, other);
         }
     }
@@ -236,11 +205,22 @@ static saltus_status search(newton *w, const double *guess, const saltus_equilib
                : first;
 }
 
-/* Set stability and eigenvalues of the motion that keeps the contacts, from the Jacobian with them held. */
-static saltus_status linearise(newton *w, saltus_equilibrium *out, saltus_message *message) {
+/* Tell what has been found, with stability and eigenvalues of the motion that keeps the contacts, from the
+ * Jacobian with them held. */
+static saltus_status describe(newton *w, saltus_equilibrium *out, saltus_message *message) {
+    const saltus_system *system = w->system;
     int rows = 0;
+    out->contacts = w->contacts;
+    out->iterations = w->iterations;
+    out->residual = w->size;
+    memcpy(out->state, w->state, (size_t)w->n * sizeof *out->state);
+    for (int f = 0; f < system->face_count; f++) {
+        bool holds = w->contacts >> f & 1;
+        out->contact_force[f] = holds ? w->step[w->n + f] / saltus_system_compliance(system, f) : 0;
+        out->gap[f] = holds ? 0 : saltus_system_gap(system, f, w->state);
+    }
     saltus_status status = evaluate(w, w->state, w->contacts, message);
-    if (status == SALTUS_OK && !saltus_held_basis(w->system, w->contacts, w->basis, w->matrix, &rows))
+    if (status == SALTUS_OK && !saltus_held_basis(system, w->contacts, w->basis, w->matrix, &rows))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equilibrium");
     saltus_held_reduce(w->basis, rows, w->n, w->jacobian, w->product, w->matrix);
     if (status == SALTUS_OK)
@@ -252,20 +232,6 @@ static saltus_status linearise(newton *w, saltus_equilibrium *out, saltus_messag
     out->instability = counts.growing;
     out->stable = counts.decaying == rows;
     return SALTUS_OK;
-}
-
-static saltus_status describe(newton *w, saltus_equilibrium *out, saltus_message *message) {
-    const saltus_system *system = w->system;
-    out->contacts = w->contacts;
-    out->iterations = w->iterations;
-    out->residual = w->size;
-    memcpy(out->state, w->state, (size_t)w->n * sizeof *out->state);
-    for (int f = 0; f < system->face_count; f++) {
-        bool holds = w->contacts >> f & 1;
-        out->contact_force[f] = holds ? w->step[w->n + f] / saltus_system_compliance(system, f) : 0;
-        out->gap[f] = holds ? 0 : saltus_system_gap(system, f, w->state);
-    }
-    return linearise(w, out, message);
 }
 
 saltus_status saltus_equilibrium_find(const saltus_system *system, const double *guess,
@@ -280,17 +246,26 @@ saltus_status saltus_equilibrium_find(const saltus_system *system, const double 
     for (int i = 0; i < n; i++)
         if (!isfinite(guess[i]))
             return saltus_fail(message, SALTUS_BAD_INPUT, "guess: entry %d is not a finite number", i + 1);
-    reserve(&w);
-    bool room = saltus_arena_open(&w.arena) && saltus_dense_lu_open(&w.lu, w.unknowns);
+    const size_t size = (size_t)n, unknowns = (size_t)w.unknowns;
+    do {
+        w.state = saltus_arena_doubles(&w.arena, size);
+        w.trial = saltus_arena_doubles(&w.arena, size);
+        w.field = saltus_arena_doubles(&w.arena, size);
+        w.step = saltus_arena_doubles(&w.arena, unknowns);
+        w.next = saltus_arena_doubles(&w.arena, unknowns);
+        w.jacobian = saltus_arena_doubles(&w.arena, size * size);
+        w.basis = saltus_arena_doubles(&w.arena, size * size);
+        w.product = saltus_arena_doubles(&w.arena, size * size);
+        w.matrix = saltus_arena_doubles(&w.arena, unknowns * unknowns);
+    } while (saltus_arena_again(&w.arena));
+    bool room = w.arena.base && saltus_dense_lu_open(&w.lu, w.unknowns);
     equilibrium->state = calloc((size_t)n, sizeof *equilibrium->state);
     equilibrium->eigenvalues = calloc((size_t)n, sizeof *equilibrium->eigenvalues);
     saltus_status status = room && equilibrium->state && equilibrium->eigenvalues
                                ? saltus_flow_single(system, n, &flow_options, &w.flow, message)
                                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equilibrium");
-    if (status == SALTUS_OK) {
-        reserve(&w);
+    if (status == SALTUS_OK)
         status = search(&w, guess, options, message);
-    }
     if (status == SALTUS_OK)
         status = describe(&w, equilibrium, message);
     saltus_dense_lu_close(&w.lu);

@@ -7,25 +7,22 @@
 #include <math.h>
 #include <string.h>
 
-static void reserve(saltus_fixed_point *f) {
-    size_t n = (size_t)f->n;
-    f->state = saltus_arena_doubles(&f->arena, n);
-    f->image = saltus_arena_doubles(&f->arena, n);
-    f->derivative = saltus_arena_doubles(&f->arena, n * n);
-    f->matrix = saltus_arena_doubles(&f->arena, n * n);
-    f->work = saltus_arena_doubles(&f->arena, 2 * n);
-    f->pivots = (int *)(void *)saltus_arena_doubles(&f->arena, n);
-}
-
 saltus_status saltus_fixed_point_open(saltus_fixed_point *f, const saltus_system *system, int periods,
                                       const saltus_flow_options *options, saltus_message *message) {
     saltus_section section = saltus_section_defaults();
     section.iterate = periods;
     *f = (saltus_fixed_point){.n = saltus_system_dimension(system), .scale = saltus_system_scale(system)};
-    reserve(f);
-    if (!saltus_arena_open(&f->arena))
+    const size_t n = (size_t)f->n;
+    do {
+        f->state = saltus_arena_doubles(&f->arena, n);
+        f->image = saltus_arena_doubles(&f->arena, n);
+        f->derivative = saltus_arena_doubles(&f->arena, n * n);
+        f->matrix = saltus_arena_doubles(&f->arena, n * n);
+        f->work = saltus_arena_doubles(&f->arena, 2 * n);
+        f->pivots = (int *)(void *)saltus_arena_doubles(&f->arena, n);
+    } while (saltus_arena_again(&f->arena));
+    if (!f->arena.base)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a fixed point");
-    reserve(f);
     return saltus_map_new(system, &section, options, true, &f->map, message);
 }
 

@@ -29,22 +29,18 @@ static bool goes_on(const search *s, double done) {
     return !saltus_stop_asked(stop);
 }
 
-static saltus_status initial_state(const saltus_system *system, const saltus_harvest_options *options,
-                                   double *state, saltus_message *message) {
-    if (options->state) {
-        memcpy(state, options->state, (size_t)saltus_system_dimension(system) * sizeof *state);
-        return SALTUS_OK;
-    }
-    saltus_random random;
-    return saltus_state_random(system, saltus_random_seed(&random, options->seed), state, message);
-}
-
 /* Run the trajectory period by period; the first half of the work. */
 static saltus_status run_trajectory(search *s, saltus_message *message) {
     enum { between_reports = 256 };
     long long transient = s->options->transient, total = transient + s->options->periods;
     double state[SALTUS_STATE_MAX];
-    saltus_status status = initial_state(s->system, s->options, state, message);
+    saltus_random random;
+    saltus_status status = SALTUS_OK;
+    if (s->options->state)
+        memcpy(state, s->options->state, (size_t)saltus_system_dimension(s->system) * sizeof *state);
+    else
+        status =
+            saltus_state_random(s->system, saltus_random_seed(&random, s->options->seed), state, message);
     if (status == SALTUS_OK)
         status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, state, message);
     for (long long k = 0; k < total && status == SALTUS_OK; k++) {
@@ -147,23 +143,6 @@ static saltus_status try_guess(const search *s, int periods, const double *guess
     return status == SALTUS_OK ? append(s, &found, message) : status;
 }
 
-/* Polish all candidates, by period and distance; the second half of the work. */
-static saltus_status polish_returns(search *s, saltus_message *message) {
-    int longest = s->options->longest;
-    saltus_status status = SALTUS_OK;
-    for (int p = 1; p <= longest && status == SALTUS_OK; p++) {
-        saltus_return closest;
-        while (status == SALTUS_OK && saltus_returns_next(s->returns, p, &closest)) {
-            if (s->harvest->count >= s->options->most || !goes_on(s, 0.5 + 0.5 * (p - 1) / longest))
-                return SALTUS_OK;
-            /* A trajectory much closer to a known orbit than to its own return only shadows that orbit. */
-            if (find_known(s->system, s->harvest, p, closest.state, 0.3 * closest.distance) < 0)
-                status = try_guess(s, p, closest.state, message);
-        }
-    }
-    return status;
-}
-
 static int by_period(const void *a, const void *b) {
     const saltus_orbit *x = &((const saltus_harvest_orbit *)a)->orbit,
                        *y = &((const saltus_harvest_orbit *)b)->orbit;
@@ -202,14 +181,6 @@ static saltus_status arrange(const search *s, saltus_message *message) {
     return status;
 }
 
-static saltus_status check_options(const saltus_system *system, const saltus_harvest_options *options,
-                                   saltus_message *message) {
-    if (!saltus_system_forced(system))
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "the scene has no forcing: its periodic orbits have no period to count in");
-    return saltus_options_check(&saltus_harvest_table, options, message);
-}
-
 saltus_status saltus_harvest_run(const saltus_system *system, const saltus_harvest_options *options,
                                  saltus_harvest *harvest, saltus_message *message) {
     search s = {.system = system, .options = options, .harvest = harvest};
@@ -219,15 +190,28 @@ saltus_status saltus_harvest_run(const saltus_system *system, const saltus_harve
                                           1, INFINITY};
     *harvest = (saltus_harvest){.face_count = saltus_system_face_count(system),
                                 .dimension = saltus_system_dimension(system)};
-    saltus_status status = check_options(system, options, message);
+    saltus_status status =
+        saltus_system_forced(system)
+            ? saltus_options_check(&saltus_harvest_table, options, message)
+            : saltus_fail(message, SALTUS_BAD_INPUT,
+                          "the scene has no forcing: its periodic orbits have no period to count in");
     if (status == SALTUS_OK)
         status = saltus_flow_single(system, 0, &flow, &s.flow, message);
     if (status == SALTUS_OK)
         status = saltus_returns_new(system, &wanted, &s.returns, message);
     if (status == SALTUS_OK)
         status = run_trajectory(&s, message);
-    if (status == SALTUS_OK)
-        status = polish_returns(&s, message);
+    /* Polish all candidates, by period and distance; the second half of the work. */
+    bool goes = true;
+    for (int p = 1; p <= options->longest && status == SALTUS_OK && goes; p++) {
+        saltus_return closest;
+        while (status == SALTUS_OK && goes && saltus_returns_next(s.returns, p, &closest)) {
+            goes = harvest->count < options->most && goes_on(&s, 0.5 + 0.5 * (p - 1) / options->longest);
+            /* A trajectory much closer to a known orbit than to its own return only shadows that orbit. */
+            if (goes && find_known(system, harvest, p, closest.state, 0.3 * closest.distance) < 0)
+                status = try_guess(&s, p, closest.state, message);
+        }
+    }
     if (status == SALTUS_OK)
         status = arrange(&s, message);
     saltus_returns_free(s.returns);

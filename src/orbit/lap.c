@@ -37,18 +37,6 @@ double saltus_event_displacement(const saltus_system *system, const saltus_event
     return own ? event->displacement : saltus_system_observed(system, state);
 }
 
-static void count_contact(saltus_lap *lap, const saltus_event *event) {
-    lap->contact_events++;
-    lap->sticks += event->kind == SALTUS_STICK;
-    lap->releases += event->kind == SALTUS_RELEASE;
-    lap->rebounding_contact |=
-        event->kind != SALTUS_IMPACT && saltus_system_face(lap->system, event->face).r > 0;
-    if (saltus_event_strikes(event)) {
-        lap->impacts++;
-        lap->impacts_by_face[event->face]++;
-    }
-}
-
 bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *state) {
     bool contact = 1u << event->kind & SALTUS_WATCH_CONTACT;
     if (!contact && event->kind != SALTUS_TURNING)
@@ -56,8 +44,17 @@ bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *st
     double displacement = saltus_event_displacement(lap->system, event, state);
     lap->largest = fmax(lap->largest, displacement);
     lap->smallest = fmin(lap->smallest, displacement);
-    if (contact)
-        count_contact(lap, event);
+    if (contact) {
+        lap->contact_events++;
+        lap->sticks += event->kind == SALTUS_STICK;
+        lap->releases += event->kind == SALTUS_RELEASE;
+        lap->rebounding_contact |=
+            event->kind != SALTUS_IMPACT && saltus_system_face(lap->system, event->face).r > 0;
+    }
+    if (contact && saltus_event_strikes(event)) {
+        lap->impacts++;
+        lap->impacts_by_face[event->face]++;
+    }
     if (!(contact ? lap->keeps_events : lap->keeps_turnings))
         return true;
     if (lap->event_count == lap->event_room) {
@@ -218,18 +215,15 @@ int saltus_section_point(const saltus_system *system, const double *state, doubl
     return count;
 }
 
-int saltus_points_least_period(const saltus_system *system, const double *points, int periods,
-                               double accuracy) {
-    const int n = saltus_system_dimension(system);
-    for (int p = 1; p <= periods / 2; p++)
-        if (periods % p == 0 && saltus_system_distance(system, points + (size_t)(p * n), points) < accuracy)
-            return p;
-    return periods;
-}
-
 int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *flow) {
     /* Accuracy of section points of one orbit that Newton's method finds with this flow. */
-    return saltus_points_least_period(lap->system, lap->points, lap->periods, fmax(1e-8, 1e4 * flow->rtol));
+    const double accuracy = fmax(1e-8, 1e4 * flow->rtol), *points = lap->points;
+    const int n = saltus_system_dimension(lap->system);
+    for (int p = 1; p <= lap->periods / 2; p++)
+        if (lap->periods % p == 0 &&
+            saltus_system_distance(lap->system, points + (size_t)(p * n), points) < accuracy)
+            return p;
+    return lap->periods;
 }
 
 bool saltus_orbit_passes(const saltus_system *system, const double *points, int periods, const double *state,

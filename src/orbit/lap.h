@@ -75,9 +75,6 @@ void saltus_lap_label(const saltus_lap *lap, char label[SALTUS_LABEL_MAX]);
 
 /* The least divisor of the lap's periods after which the orbit closes. */
 int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *flow);
-/* The same for section points in turn, which are accurate to `accuracy`, in the system's scales. */
-int saltus_points_least_period(const saltus_system *system, const double *points, int periods,
-                               double accuracy);
 /* The section point of a state at section phase 0. Rounding decides on which side of impacts in the very
  * section the flow ends: a point lies after them. `after`, which may be `state`, is the state moved past the
  * impacts that it is within `reach` of, relative to the system's scales. Returns their number; `passed`

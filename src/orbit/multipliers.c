@@ -61,7 +61,7 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
     if (!cocycle->table)
         cocycle->table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
     if (!cocycle->columns)
-        cocycle->columns = calloc((size_t)(n * n + n), sizeof *cocycle->columns);
+        cocycle->columns = calloc((size_t)(n * n), sizeof *cocycle->columns);
     if (!cocycle->table || !cocycle->columns)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
     for (int i = 0; i < n; i++)
@@ -104,28 +104,24 @@ void saltus_cocycle_close(saltus_cocycle *cocycle) {
     *cocycle = (saltus_cocycle){0};
 }
 
-/* Store the direction of the flow at the start of a segment, of unit length in the system's scales. */
-static void note_field(saltus_cocycle *cocycle, saltus_flow *flow) {
-    const double *scale = cocycle->scale;
-    double *field = cocycle->fields + (size_t)cocycle->count * (size_t)cocycle->n, size = 0;
-    saltus_flow_field(flow, 0, field);
-    for (int i = 0; i < cocycle->n; i++) {
-        field[i] /= scale[i];
-        size = hypot(size, field[i]);
-    }
-    for (int i = 0; i < cocycle->n; i++)
-        field[i] = size > 0 ? field[i] / size : i == 0;
-}
-
 /* Follow one segment: its derivative, its part of the sum rule, and the number of exact zeros. */
 static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, saltus_time until,
                                     saltus_lap *lap, saltus_message *message) {
     int n = cocycle->n;
-    double *state = cocycle->columns + n * n;
+    double state[SALTUS_STATE_MAX];
     saltus_flow_info before = saltus_flow_information(flow, 0);
     long long steps = before.steps;
-    if (cocycle->autonomous)
-        note_field(cocycle, flow);
+    if (cocycle->autonomous) {
+        /* The direction of the flow at the start, of unit length in the system's scales. */
+        double *field = cocycle->fields + (size_t)cocycle->count * (size_t)n, size = 0;
+        saltus_flow_field(flow, 0, field);
+        for (int i = 0; i < n; i++) {
+            field[i] /= cocycle->scale[i];
+            size = hypot(size, field[i]);
+        }
+        for (int i = 0; i < n; i++)
+            field[i] = size > 0 ? field[i] / size : i == 0;
+    }
     if (!cocycle->given)
         saltus_flow_set_tangents(flow, 0, cocycle->columns);
     for (saltus_event event = {.kind = SALTUS_STEP}; event.kind != SALTUS_REACHED;) {
@@ -133,7 +129,7 @@ static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, 
             saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
         if (status != SALTUS_OK)
             return status;
-        cocycle->sum_rule += saltus_trace_over_step(flow, 0, cocycle->table, state, &steps);
+        cocycle->sum_rule += saltus_trace_over_step(flow, 0, cocycle->table, &steps);
         int lost = saltus_lost_directions(flow, 0, &event);
         cocycle->zeros = lost > cocycle->zeros ? lost : cocycle->zeros;
         saltus_flow_state(flow, 0, state);
@@ -204,22 +200,6 @@ typedef struct iteration {
     double *product, *real, *imaginary, *work;
 } iteration;
 
-static void reserve(iteration *it) {
-    size_t n = (size_t)it->n, square = n * n, count = (size_t)it->count;
-    it->basis = saltus_arena_doubles(&it->arena, square);
-    it->start = saltus_arena_doubles(&it->arena, square);
-    it->turn = saltus_arena_doubles(&it->arena, square);
-    it->triangles = saltus_arena_doubles(&it->arena, square * count);
-    it->balance = saltus_arena_doubles(&it->arena, n);
-    it->coupling = saltus_arena_doubles(&it->arena, n + 1);
-    it->before = saltus_arena_doubles(&it->arena, n + 1);
-    it->block = saltus_arena_doubles(&it->arena, square * (count + 1));
-    it->product = saltus_arena_doubles(&it->arena, square);
-    it->real = saltus_arena_doubles(&it->arena, n);
-    it->imaginary = saltus_arena_doubles(&it->arena, n);
-    it->work = saltus_arena_doubles(&it->arena, 2 * n);
-}
-
 static double *triangle_at(const iteration *it, int m) {
     return it->triangles + (size_t)m * (size_t)(it->n * it->n);
 }
@@ -280,36 +260,9 @@ static void cycle(iteration *it) {
     }
 }
 
-/* Whether some subspaces will be separate within this many more cycles, at the rate of the last one. */
-static bool promising(const iteration *it, double cycles) {
-    for (int k = 1; k < it->n; k++) {
-        double now = it->coupling[k], rate = now / it->before[k];
-        if (now > separate && log(separate / now) >= cycles * log(rate))
-            return true;
-    }
-    return false;
-}
-
 /* Whether the first k directions are separate from the others. */
 static bool splits(const iteration *it, int k) {
     return it->coupling[k] <= 10 * separate;
-}
-
-/* Number of leading directions that all segments resolve, reduced to a split. */
-static int count_resolved(const iteration *it, int zeros) {
-    int n = it->n, resolved = n - zeros;
-    for (int m = 0; m < it->count; m++) {
-        const double *r = triangle_at(it, m);
-        double largest = 0;
-        for (int i = 0; i < n; i++)
-            largest = fmax(largest, r[i * n + i]);
-        for (int i = 0; i < resolved; i++)
-            if (!(r[i * n + i] >= weakest_growth * largest))
-                resolved = i;
-    }
-    while (!splits(it, resolved))
-        resolved--;
-    return resolved;
 }
 
 /* Logarithm of a direction's growth over all segments. */
@@ -320,11 +273,16 @@ static double log_growth(const iteration *it, int i) {
     return sum;
 }
 
-/* Copy the block [first, last) of T and of every R, the latter divided by its mean growth. Returns the
- * logarithm of the product of these divisors. */
-static double fill_block(iteration *it, int first, int last) {
+/* The multipliers of the block [first, last); a single one is real. Of a larger block T and every R are
+ * copied, the latter divided by its mean growth. */
+static bool block_multipliers(iteration *it, int first, int last, saltus_multiplier *out) {
     int n = it->n, size = last - first;
-    double scale = 0, *out = it->block;
+    if (size == 1) {
+        double turn = it->turn[first * n + first], logarithm = log_growth(it, first) + log(fabs(turn));
+        *out = (saltus_multiplier){copysign(exp(logarithm), turn), 0, logarithm};
+        return true;
+    }
+    double scale = 0, *copy = it->block; /* logarithm of the product of the divisors */
     for (int m = -1; m < it->count; m++) {
         const double *from = (m < 0 ? it->turn : triangle_at(it, m)) + first * n + first;
         double mean = 0;
@@ -334,20 +292,8 @@ static double fill_block(iteration *it, int first, int last) {
         double factor = exp(-mean);
         for (int i = 0; i < size; i++)
             for (int j = 0; j < size; j++)
-                *out++ = from[i * n + j] * factor;
+                *copy++ = from[i * n + j] * factor;
     }
-    return scale;
-}
-
-/* The multipliers of the block [first, last); a single one is real. */
-static bool block_multipliers(iteration *it, int first, int last, saltus_multiplier *out) {
-    int size = last - first;
-    if (size == 1) {
-        double turn = it->turn[first * it->n + first], logarithm = log_growth(it, first) + log(fabs(turn));
-        *out = (saltus_multiplier){copysign(exp(logarithm), turn), 0, logarithm};
-        return true;
-    }
-    double scale = fill_block(it, first, last);
     if (!saltus_periodic_eigenvalues(it->block, it->block + size * size, size, it->count, it->product,
                                      it->real, it->imaginary))
         return false;
@@ -367,9 +313,21 @@ static int by_modulus(const void *a, const void *b) {
     return x->im < y->im ? 1 : x->im > y->im ? -1 : 0;
 }
 
-/* Find all multipliers, by decreasing modulus. */
+/* Find all multipliers, by decreasing modulus: of the leading directions that all segments resolve, reduced
+ * to a split. */
 static bool find_multipliers(iteration *it, int zeros, saltus_multiplier *found, double *log_volume) {
-    int n = it->n, first = 0, count = count_resolved(it, zeros);
+    int n = it->n, first = 0, count = n - zeros;
+    for (int m = 0; m < it->count; m++) {
+        const double *r = triangle_at(it, m);
+        double largest = 0;
+        for (int i = 0; i < n; i++)
+            largest = fmax(largest, r[i * n + i]);
+        for (int i = 0; i < count; i++)
+            if (!(r[i * n + i] >= weakest_growth * largest))
+                count = i;
+    }
+    while (!splits(it, count))
+        count--;
     *log_volume = count < n - zeros ? NAN : 0;
     for (int i = 1; i <= count; i++) {
         *log_volume += log_growth(it, i - 1);
@@ -390,16 +348,33 @@ saltus_status saltus_cocycle_multipliers(const double *segments, int n, int coun
                                          saltus_message *message) {
     enum { cycles_min = 3, cycles_max = 300, worthwhile = 3 };
     iteration it = {.n = n, .count = count, .segments = segments};
-    reserve(&it);
-    if (!saltus_arena_open(&it.arena))
+    const size_t size = (size_t)n, square = size * size;
+    do {
+        it.basis = saltus_arena_doubles(&it.arena, square);
+        it.start = saltus_arena_doubles(&it.arena, square);
+        it.turn = saltus_arena_doubles(&it.arena, square);
+        it.triangles = saltus_arena_doubles(&it.arena, square * (size_t)count);
+        it.balance = saltus_arena_doubles(&it.arena, size);
+        it.coupling = saltus_arena_doubles(&it.arena, size + 1);
+        it.before = saltus_arena_doubles(&it.arena, size + 1);
+        it.block = saltus_arena_doubles(&it.arena, square * (size_t)(count + 1));
+        it.product = saltus_arena_doubles(&it.arena, square);
+        it.real = saltus_arena_doubles(&it.arena, size);
+        it.imaginary = saltus_arena_doubles(&it.arena, size);
+        it.work = saltus_arena_doubles(&it.arena, 2 * size);
+    } while (saltus_arena_again(&it.arena));
+    if (!it.arena.base)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-    reserve(&it);
-    bool found = begin(&it);
-    /* Iterate until a few more cycles would not separate another subspace; periodic QR does the rest. */
-    for (int k = 1; k <= cycles_max && found; k++) {
+    bool found = begin(&it), promising = true;
+    /* Iterate until a few more cycles, at the rate of the last one, would not separate another subspace;
+     * periodic QR does the rest. */
+    for (int k = 1; k <= cycles_max && found && promising; k++) {
         cycle(&it);
-        if (k >= cycles_min && !promising(&it, worthwhile))
-            break;
+        promising = k < cycles_min;
+        for (int j = 1; j < n && !promising; j++) {
+            const double now = it.coupling[j], rate = now / it.before[j];
+            promising = now > separate && log(separate / now) >= worthwhile * log(rate);
+        }
     }
     found = found && find_multipliers(&it, zeros, out, log_volume);
     saltus_arena_close(&it.arena);
@@ -445,18 +420,11 @@ static double deflate(saltus_cocycle *cocycle) {
     return trivial;
 }
 
-/* Mark multipliers as unresolved if a segment's errors hide them. */
-static void forget_hidden(const saltus_cocycle *cocycle, saltus_multiplier *found, int count) {
-    const double hidden = -18; /* logarithm of the growth over a segment */
-    for (int k = 0; k < count; k++)
-        if (isfinite(found[k].log_modulus) && found[k].log_modulus < hidden * cocycle->count)
-            found[k] = (saltus_multiplier){0, 0, NAN};
-}
-
 saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *out, int *count,
                                    double *trivial, double *log_volume, saltus_message *message) {
     const double over_segment = 10; /* contraction that leaves the smallest multiplier its digits */
     const double many = 5000;       /* segments */
+    const double hidden = -18; /* logarithm of the growth over a segment, below which its errors hide it */
     const int n = cocycle->n;
     *count = n - cocycle->autonomous;
     *trivial = cocycle->autonomous ? deflate(cocycle) : 0;
@@ -471,48 +439,26 @@ saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *o
     const bool last = *count == 1 && zeros == 0 && wanted * cocycle->periods > many;
     if (!isnan(cocycle->sum_rule) && wanted > cocycle->density && !last)
         cocycle->wanted = wanted;
-    forget_hidden(cocycle, out, *count);
+    for (int k = 0; k < *count; k++) {
+        if (isfinite(out[k].log_modulus) && out[k].log_modulus < hidden * cocycle->count)
+            out[k] = (saltus_multiplier){0, 0, NAN};
+        if (isnan(out[k].log_modulus))
+            *log_volume = NAN;
+    }
     /* In the plane there is but one multiplier, which Liouville's formula gives: impacts keep orientation. */
     if (last) {
         *log_volume = cocycle->sum_rule;
         out[0] = (saltus_multiplier){exp(cocycle->sum_rule), 0, cocycle->sum_rule};
     }
-    for (int k = 0; k < *count; k++)
-        if (isnan(out[k].log_modulus))
-            *log_volume = NAN;
     return status;
 }
 
-/* Once around an orbit: its derivative and multipliers. `product` is work space of the monodromy's size. */
-static saltus_status go_around(saltus_cocycle *cocycle, const saltus_system *system, saltus_flow *flow,
-                               const saltus_orbit_options *options, saltus_orbit *orbit, double *product,
-                               saltus_message *message) {
-    const int n = orbit->dimension;
-    const double phase = options->free_period ? 0 : options->phase;
-    saltus_status status =
-        saltus_cocycle_open(cocycle, system, orbit->periods, options->free_period, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_start(flow, 0, (saltus_time){0, phase}, orbit->state, message);
-    if (status == SALTUS_OK)
-        status = saltus_cocycle_follow(cocycle, flow, (saltus_time){orbit->periods, phase}, NULL, message);
-    if (status != SALTUS_OK)
-        return status;
-    orbit->sum_rule = cocycle->sum_rule;
-    orbit->sticks = cocycle->zeros > 0;
-    for (int i = 0; i < n * n; i++)
-        orbit->monodromy[i] = i % (n + 1) == 0;
-    for (int m = 0; m < cocycle->count; m++) {
-        multiply(cocycle->segments, n, m, NULL, orbit->monodromy, product);
-        memcpy(orbit->monodromy, product, (size_t)(n * n) * sizeof *product);
-    }
-    return saltus_cocycle_solve(cocycle, orbit->multipliers, &orbit->multiplier_count, &orbit->trivial,
-                                &orbit->log_volume, message);
-}
-
+/* Once around the orbit, and once more where the first lap shows that shorter segments are wanted. */
 saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus_orbit_options *options,
                                        saltus_orbit *orbit, saltus_message *message) {
-    int n = orbit->dimension;
-    size_t square = (size_t)n * (size_t)n;
+    const int n = orbit->dimension;
+    const size_t square = (size_t)n * (size_t)n;
+    const double phase = options->free_period ? 0 : options->phase;
     saltus_cocycle cocycle = {.n = n};
     saltus_flow *flow = NULL;
     saltus_status status =
@@ -522,10 +468,27 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
     orbit->multipliers = calloc((size_t)n, sizeof *orbit->multipliers);
     if (status == SALTUS_OK && !(product && orbit->monodromy && orbit->multipliers))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-    if (status == SALTUS_OK)
-        status = go_around(&cocycle, system, flow, options, orbit, product, message);
-    if (status == SALTUS_OK && cocycle.wanted > cocycle.density)
-        status = go_around(&cocycle, system, flow, options, orbit, product, message);
+    for (int lap = 0; lap < 2 && status == SALTUS_OK && (lap == 0 || cocycle.wanted > cocycle.density);
+         lap++) {
+        status = saltus_cocycle_open(&cocycle, system, orbit->periods, options->free_period, message);
+        if (status == SALTUS_OK)
+            status = saltus_flow_start(flow, 0, (saltus_time){0, phase}, orbit->state, message);
+        if (status == SALTUS_OK)
+            status =
+                saltus_cocycle_follow(&cocycle, flow, (saltus_time){orbit->periods, phase}, NULL, message);
+        if (status != SALTUS_OK)
+            break;
+        orbit->sum_rule = cocycle.sum_rule;
+        orbit->sticks = cocycle.zeros > 0;
+        for (int i = 0; i < n * n; i++)
+            orbit->monodromy[i] = i % (n + 1) == 0;
+        for (int m = 0; m < cocycle.count; m++) {
+            multiply(cocycle.segments, n, m, NULL, orbit->monodromy, product);
+            memcpy(orbit->monodromy, product, square * sizeof *product);
+        }
+        status = saltus_cocycle_solve(&cocycle, orbit->multipliers, &orbit->multiplier_count, &orbit->trivial,
+                                      &orbit->log_volume, message);
+    }
     free(product);
     saltus_flow_free(flow);
     saltus_cocycle_close(&cocycle);

@@ -63,22 +63,6 @@ static void report(const saltus_equations *e, int iteration) {
         e->history(e->context, iteration, e->size, e->kind);
 }
 
-/* Whether the next step from the point just evaluated, by the Jacobian before the step to it, is much shorter
- * than that step, although the residual may have grown (the natural test of Deuflhard, Newton Methods for
- * Nonlinear Problems, 2004). */
-static bool comes_closer(saltus_equations *e) {
-    const double much = 0.5;
-    double length = 0, next = 0;
-    for (int j = 0; j < e->unknowns; j++) {
-        length = hypot(length, e->step[j]);
-        e->step[j] = j < e->count ? -e->residual[j] : 0;
-    }
-    saltus_dense_resolve(&e->lu, false, 1, e->step);
-    for (int j = 0; j < e->unknowns; j++)
-        next = hypot(next, e->step[j]);
-    return next < much * length;
-}
-
 /* Take a step, halved until the residual falls; undamped, a full step if it can be evaluated. If no step is
  * taken, u is unchanged. Errors: those that a shorter step cannot avoid. */
 static saltus_status take_step(saltus_equations *e, double *u, bool damped, double before, bool *taken,
@@ -99,25 +83,24 @@ static saltus_status take_step(saltus_equations *e, double *u, bool damped, doub
         saltus_status tried = saltus_equations_evaluate(e, e->trial, message);
         if (tried == SALTUS_NO_MEMORY || tried == SALTUS_INTERRUPTED)
             return tried;
-        *taken = tried == SALTUS_OK && comes_closer(e);
+        /* The residual may have grown if the next step, by the Jacobian before this one, is much shorter (the
+         * natural test of Deuflhard, Newton Methods for Nonlinear Problems, 2004). */
+        const double much = 0.5;
+        double length = 0, next = 0;
+        for (int j = 0; j < e->unknowns && tried == SALTUS_OK; j++) {
+            length = hypot(length, e->step[j]);
+            e->step[j] = j < e->count ? -e->residual[j] : 0;
+        }
+        if (tried == SALTUS_OK)
+            saltus_dense_resolve(&e->lu, false, 1, e->step);
+        for (int j = 0; j < e->unknowns && tried == SALTUS_OK; j++)
+            next = hypot(next, e->step[j]);
+        *taken = tried == SALTUS_OK && next < much * length;
     }
     memcpy(e->kept, u, (size_t)e->unknowns * sizeof *u);
     if (*taken)
         memcpy(u, e->trial, (size_t)e->unknowns * sizeof *u);
     return SALTUS_OK;
-}
-
-/* Return to the point before the last step. */
-static saltus_status step_back(saltus_equations *e, double *u, saltus_message *message) {
-    memcpy(u, e->kept, (size_t)e->unknowns * sizeof *u);
-    return saltus_equations_evaluate(e, u, message);
-}
-
-static saltus_status judge(const saltus_equations *e, saltus_status status, saltus_message *message) {
-    if (status == SALTUS_OK && !(e->size <= e->tolerance))
-        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "Newton's iteration stops at a residual of %.3g",
-                           e->size);
-    return status;
 }
 
 /* Newton's step from the residual at u with the last factorisation. */
@@ -212,20 +195,6 @@ static saltus_status approach(saltus_equations *e, double *u, const double *norm
     return SALTUS_OK;
 }
 
-/* Take Newton's step from the point just evaluated if it ends in rounding. Residuals fall by `fall` over the
- * distance between a point and that of the Jacobian. */
-static bool finish(saltus_equations *e, double *u, const double *normal, const double *anchor, double fall) {
-    double length = 0;
-    if (!(e->size <= e->tolerance) || !find_step(e, u, normal, anchor))
-        return false;
-    for (int j = 0; j < e->unknowns; j++)
-        length = hypot(length, e->step[j]);
-    if (!(e->size * fall * length < rounding))
-        return false;
-    take(e, u);
-    return true;
-}
-
 /* Iterate with the Jacobian just evaluated at u, by residuals alone, if the first step hardly moves u and
  * these fall fast: *iterations says after how many steps. 0: u, residuals and Jacobian are unchanged. Errors:
  * those that other ways cannot avoid either. */
@@ -278,9 +247,18 @@ saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal
     e->begun = false;
     double best = e->size;
     report(e, 0);
-    if (status == SALTUS_OK && normal && finish(e, u, normal, anchor, found.near ? found.fall : steepest)) {
-        *iterations = found.near ? found.iterations : 1;
-        return status;
+    if (status == SALTUS_OK && normal && e->size <= e->tolerance && find_step(e, u, normal, anchor)) {
+        /* That may be the last step: residuals fall by `fall` over the distance between a point and that of
+         * the Jacobian. */
+        const double fall = found.near ? found.fall : steepest;
+        double length = 0;
+        for (int j = 0; j < e->unknowns; j++)
+            length = hypot(length, e->step[j]);
+        if (e->size * fall * length < rounding) {
+            *iterations = found.near ? found.iterations : 1;
+            take(e, u);
+            return status;
+        }
     }
     if (status == SALTUS_OK && e->hasty && e->measure && !normal)
         status = polish(e, u, iterations, message);
@@ -297,7 +275,8 @@ saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal
         ++*iterations;
         report(e, *iterations);
         if (!taken || (best <= e->tolerance && e->size >= best)) {
-            status = step_back(e, u, message);
+            memcpy(u, e->kept, (size_t)e->unknowns * sizeof *u);
+            status = saltus_equations_evaluate(e, u, message);
             break;
         }
         if (!damped && e->size > 1e3 * fmax(best, e->tolerance))
@@ -311,7 +290,10 @@ saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal
         if (is_small(e, best, fall))
             break;
     }
-    return judge(e, status, message);
+    return status != SALTUS_OK || e->size <= e->tolerance
+               ? status
+               : saltus_fail(message, SALTUS_NO_CONVERGENCE, "Newton's iteration stops at a residual of %.3g",
+                             e->size);
 }
 
 saltus_status saltus_curve_tangent(saltus_equations *e, const double *guide, double *tangent, int *sign,

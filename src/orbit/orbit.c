@@ -65,22 +65,6 @@ static void cut_sequence(saltus_sequence *sequence, int segments, double growth)
         sequence->cut[j] = sequence->base + (double)j * sequence->periods / sequence->cuts;
 }
 
-/* Give the event-driven flow the omega of the best orbit. */
-static saltus_status retune(search *s, saltus_message *message) {
-    saltus_system *system;
-    if (!(s->sequence.omega > 0))
-        return SALTUS_OK;
-    saltus_status status =
-        saltus_system_clocked(saltus_flow_system(s->flow, 0), s->sequence.omega, &system, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_retune(s->flow, 0, system, message);
-    if (status == SALTUS_OK) {
-        saltus_system_free(s->system);
-        s->system = system;
-    }
-    return status;
-}
-
 /* Newton's method from the best state, with the events of a sequence. If there is no orbit, it may run off so
  * far that rounding hides the forcing: that is a failure, too. */
 static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_message *message) {
@@ -103,8 +87,15 @@ static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_me
     s->residual = equations->size;
     if (status == SALTUS_OK || s->residual < INFINITY)
         saltus_shooting_extract(s->shooting, s->u, &s->sequence, s->state);
-    if (status == SALTUS_OK)
-        status = retune(s, message);
+    if (status == SALTUS_OK && s->sequence.omega > 0) {
+        /* The event-driven flow gets the omega of the best orbit. */
+        saltus_system *tuned = NULL;
+        status = saltus_system_clocked(saltus_flow_system(s->flow, 0), s->sequence.omega, &tuned, message);
+        if (status == SALTUS_OK)
+            status = saltus_flow_retune(s->flow, 0, tuned, message);
+        saltus_system_free(status == SALTUS_OK ? s->system : tuned);
+        s->system = status == SALTUS_OK ? tuned : s->system;
+    }
     const double *scale = saltus_system_scale(saltus_shooting_system(s->shooting));
     for (int i = 0; i < s->n; i++)
         size = fmax(size, fabs(s->state[i]) / scale[i]);

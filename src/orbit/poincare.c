@@ -30,60 +30,37 @@ unsigned saltus_crossings_watch(const saltus_system *system) {
     }
 }
 
-/* The observed velocity before an impact, from the velocity after it and the impulse. */
-static double velocity_before(const saltus_system *system, const saltus_event *event, double after) {
-    int stop = saltus_system_face(system, event->face).stop;
-    double share = saltus_system_observed(system, system->stop_impulse[stop]);
-    return after - share * (event->velocity_after - event->velocity_before);
-}
-
-/* Process a smooth reversal of the observed velocity; true for a maximum. */
-static bool turn(saltus_crossings *r, const saltus_event *event) {
-    const bool maximum = event->velocity_before < 0;
-    if (maximum) {
-        r->struck &= r->rises;
-        r->spare = r->struck ? r->spare + 1 : 0;
-    }
-    r->rises = false;
-    return maximum;
-}
-
-/* Whether an impact matters for the section: it reverses the observed velocity, or is on the section's stop.
- * *is_return: it reverses to falling, or is on the section's side. */
-static bool concerns(const saltus_system *system, const saltus_event *event, const double *state,
-                     bool *is_return) {
-    const double rounding = 1e-12; /* relative to the velocity before, for impacts without rebound */
-    const saltus_poincare section = saltus_system_poincare(system);
-    const saltus_face face = saltus_system_face(system, event->face);
-    if (section.kind == SALTUS_POINCARE_IMPACT) {
-        *is_return = face.stop == section.stop && (section.side == 0 || section.side == face.side);
-        return face.stop == section.stop;
-    }
-    const double after = saltus_system_observed(system, state + saltus_system_dof(system)),
-                 before = velocity_before(system, event, after);
-    *is_return = before > 0 && after <= rounding * before;
-    return *is_return || (before < 0 && after > 0);
-}
-
-/* Whether an impact is slower than the previous one by much of what that one took away, which is all of it in
- * the limit of complete chatter. A cycle regains the loss, and impacts that approach a cycle nearly do. */
-static bool is_slower(const saltus_crossings *r, double speed) {
-    const double share = 0.1;
-    return speed < r->speed - share * (r->speed - r->rebound);
-}
-
+/* Whether an impact is a return: it reverses the observed velocity to falling, or is on the section's side.
+ * It matters if it reverses that velocity at all, or is on the section's stop. */
 static bool strike(saltus_crossings *r, const saltus_system *system, const saltus_event *event,
                    const double *state) {
     enum { many = 32 };
-    const double speed = fabs(event->velocity_before);
-    bool is_return;
-    if (!concerns(system, event, state, &is_return))
+    const double rounding = 1e-12; /* relative to the velocity before, for impacts without rebound */
+    const double much = 0.1, speed = fabs(event->velocity_before);
+    const saltus_poincare section = saltus_system_poincare(system);
+    const saltus_face face = saltus_system_face(system, event->face);
+    bool is_return, matters;
+    if (section.kind == SALTUS_POINCARE_IMPACT) {
+        matters = face.stop == section.stop;
+        is_return = matters && (section.side == 0 || section.side == face.side);
+    } else {
+        /* The observed velocity before it, from the velocity after it and the impulse. */
+        const double after = saltus_system_observed(system, state + saltus_system_dof(system)),
+                     share = saltus_system_observed(system, system->stop_impulse[face.stop]),
+                     before = after - share * (event->velocity_after - event->velocity_before);
+        is_return = before > 0 && after <= rounding * before;
+        matters = is_return || (before < 0 && after > 0);
+    }
+    if (!matters)
         return false;
     const bool again = r->struck && r->face == event->face;
     if (!again)
         r->spare = r->lively = 0;
     r->spare += again && is_return;
-    r->lively += again && !is_slower(r, speed);
+    /* Lively is an impact unless it is slower than the previous one by much of what that one took away, which
+     * is all of it in the limit of complete chatter. A cycle regains the loss, and impacts that approach a
+     * cycle nearly do. */
+    r->lively += again && !(speed < r->speed - much * (r->speed - r->rebound));
     r->face = event->face;
     if (r->lively == many)
         r->chatters &= ~(1u << r->face);
@@ -98,9 +75,14 @@ static bool strike(saltus_crossings *r, const saltus_system *system, const saltu
 static int count(saltus_crossings *r, const saltus_system *system, const saltus_event *event,
                  const double *state) {
     int change = 0;
-    if (event->kind == SALTUS_TURNING)
-        change = saltus_system_poincare(system).kind == SALTUS_POINCARE_MAXIMA && turn(r, event);
-    else if (saltus_event_strikes(event))
+    if (event->kind == SALTUS_TURNING && saltus_system_poincare(system).kind == SALTUS_POINCARE_MAXIMA) {
+        change = event->velocity_before < 0; /* a maximum */
+        if (change) {
+            r->struck &= r->rises;
+            r->spare = r->struck ? r->spare + 1 : 0;
+        }
+        r->rises = false;
+    } else if (saltus_event_strikes(event))
         change = strike(r, system, event, state);
     r->waits = r->spare > 0 && r->chatters >> r->face & 1;
     if (event->kind == SALTUS_STICK && r->struck && r->face == event->face) {
@@ -263,46 +245,33 @@ static double *row_of(const section *s, int k) {
     return (double *)s->rows.items + (size_t)k * (size_t)(s->n + row_state);
 }
 
-/* The quantity that section points are ordered by. */
-static double rank_of(const saltus_system *system, const saltus_event *event, const double *state) {
-    switch (saltus_system_poincare(system).kind) {
-    case SALTUS_POINCARE_IMPACT:
-        return fabs(event->velocity_before);
-    case SALTUS_POINCARE_ZERO:
-        return saltus_system_observed(system, state);
-    default:
-        return saltus_event_displacement(system, event, state);
-    }
-}
-
-/* Add a return at a state; `time` is within the walk. */
-static bool add_row(section *s, double time, const saltus_system *system, const saltus_event *event,
-                    const double *state) {
-    double *row = saltus_list_add(&s->rows, (size_t)(s->n + row_state) * sizeof *row);
-    if (!row)
-        return false;
-    row[row_time] = s->begin + time;
-    row[row_rank] = rank_of(system, event, state);
-    row[row_speed] = saltus_event_strikes(event) ? fabs(event->velocity_before) : 0;
-    memcpy(row + row_state, state, (size_t)s->n * sizeof *state);
-    return true;
-}
-
-/* Add or take back the returns due to an event. */
+/* Add or take back the returns due to an event. False without memory. */
 static bool note(section *s, const saltus_flow *flow, const saltus_event *event, const double *now) {
     const saltus_system *system = saltus_flow_system(flow, 0);
+    const saltus_poincare_kind kind = saltus_system_poincare(system).kind;
+    const double speed = saltus_event_strikes(event) ? fabs(event->velocity_before) : 0;
     double state[SALTUS_STATE_MAX];
     saltus_time time;
     int change;
-    bool room = true;
     saltus_crossings_take(&s->returns, flow, 0, event, now);
     memcpy(state, now, (size_t)s->n * sizeof *state);
-    while (room && (change = next_change(&s->returns, flow, 0, state, &time)) != 0) {
-        s->rows.count += change < 0 ? change : 0;
-        if (change > 0)
-            room = add_row(s, saltus_time_periods(time), system, event, state);
+    while ((change = next_change(&s->returns, flow, 0, state, &time)) != 0) {
+        if (change < 0) {
+            s->rows.count += change;
+            continue;
+        }
+        double *row = saltus_list_add(&s->rows, (size_t)(s->n + row_state) * sizeof *row);
+        if (!row)
+            return false;
+        row[row_time] = s->begin + saltus_time_periods(time);
+        row[row_speed] = speed;
+        /* The quantity that section points are ordered by. */
+        row[row_rank] = kind == SALTUS_POINCARE_IMPACT ? fabs(event->velocity_before)
+                        : kind == SALTUS_POINCARE_ZERO ? saltus_system_observed(system, state)
+                                                       : saltus_event_displacement(system, event, state);
+        memcpy(row + row_state, state, (size_t)s->n * sizeof *state);
     }
-    return room;
+    return true;
 }
 
 /* Whether row a comes before row b: by rank, then by impact speed. Zeros of an expression may all have the
@@ -315,21 +284,6 @@ static bool is_higher(const section *s, const saltus_system *system, int a, int 
         if (fabs(p[row_state + i] - q[row_state + i]) > alike * saltus_system_scale(system)[i])
             return p[row_state + i] > q[row_state + i];
     return false;
-}
-
-/* Count the times of a lap from `origin`. */
-static void shift_events(saltus_lap *lap, double origin) {
-    int first = 0;
-    for (int k = 0; k < lap->event_count; k++) {
-        double time = saltus_time_periods(lap->events[k].time) - origin;
-        first += time < 0;
-        lap->events[k].time = saltus_time_of(time < 0 ? time + 1 : time);
-    }
-    for (int turn = 0; turn < first; turn++) {
-        saltus_event event = lap->events[0];
-        memmove(lap->events, lap->events + 1, (size_t)(lap->event_count - 1) * sizeof event);
-        lap->events[lap->event_count - 1] = event;
-    }
 }
 
 /* Turn the section's rows into the lap's points, beginning with the highest. */
@@ -347,38 +301,46 @@ static bool hand_over(saltus_lap *lap, const section *s, const saltus_system *sy
     for (int k = 0; k < s->rows.count; k++)
         memcpy(lap->points + (size_t)k * n, row_of(s, (highest + k) % s->rows.count) + row_state,
                n * sizeof *state);
-    if (s->rows.count > 0)
-        shift_events(lap, fmod(row_of(s, highest)[row_time], 1));
-    return true;
-}
-
-/* Time of the event just reached, or of the first return that it implies, in periods; 0: none yet. */
-static double coming(saltus_crossings *returns, const saltus_flow *flow, const saltus_event *event) {
-    const double own = 1e-6; /* sooner it is the event at the start itself */
-    double state[SALTUS_STATE_MAX], next = event->kind == SALTUS_STEP ? 0 : saltus_time_periods(event->time);
-    saltus_time time;
-    next = next > own ? next : 0;
-    saltus_flow_state(flow, 0, state);
-    saltus_crossings_take(returns, flow, 0, event, state);
-    while (next_change(returns, flow, 0, state, &time) != 0) {
-        double at = saltus_time_periods(time);
-        if (at > own && (next == 0 || at < next))
-            next = at;
+    if (s->rows.count == 0)
+        return true;
+    /* The events' times are counted from there. */
+    const double origin = fmod(row_of(s, highest)[row_time], 1);
+    int first = 0;
+    for (int k = 0; k < lap->event_count; k++) {
+        const double time = saltus_time_periods(lap->events[k].time) - origin;
+        first += time < 0;
+        lap->events[k].time = saltus_time_of(time < 0 ? time + 1 : time);
     }
-    return next;
+    for (int turn = 0; turn < first; turn++) {
+        const saltus_event event = lap->events[0];
+        memmove(lap->events, lap->events + 1, (size_t)(lap->event_count - 1) * sizeof event);
+        lap->events[lap->event_count - 1] = event;
+    }
+    return true;
 }
 
 saltus_status saltus_cycle_leave(saltus_flow *flow, double *state, double *later, saltus_message *message) {
     const unsigned watch =
         SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING | saltus_crossings_watch(saltus_flow_system(flow, 0));
+    const double own = 1e-6; /* sooner it is the event at the start itself */
     saltus_crossings returns = {0};
     saltus_event event = {.kind = SALTUS_STEP};
-    double next = 0;
+    saltus_time time;
+    double next = 0, now[SALTUS_STATE_MAX]; /* the event reached, or the first return that it implies */
     saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
     while (status == SALTUS_OK && next == 0) {
         status = saltus_flow_advance(flow, (saltus_time){1, 0}, watch, &event, message);
-        if (status == SALTUS_OK)
-            next = coming(&returns, flow, &event);
+        if (status != SALTUS_OK)
+            break;
+        double at = event.kind == SALTUS_STEP ? 0 : saltus_time_periods(event.time);
+        next = at > own ? at : 0;
+        saltus_flow_state(flow, 0, now);
+        saltus_crossings_take(&returns, flow, 0, &event, now);
+        while (next_change(&returns, flow, 0, now, &time) != 0) {
+            at = saltus_time_periods(time);
+            if (at > own && (next == 0 || at < next))
+                next = at;
+        }
     }
     *later = 0.5 * next;
     return status == SALTUS_OK
@@ -411,21 +373,6 @@ static saltus_status walk(section *s, saltus_lap *lap, saltus_flow *flow, const 
     return status;
 }
 
-/* The walk may begin amid the impacts of a chatter: follow that to the end of its contact, and keep the
- * returns after it. */
-static saltus_status close_chatter(section *s, saltus_flow *flow, const double *start,
-                                   saltus_message *message) {
-    if (s->cut == 0)
-        return SALTUS_OK;
-    s->begin = 1;
-    saltus_status status = walk(s, NULL, flow, start, s->cut, message);
-    s->rows.count -= s->early;
-    if (s->rows.count > 0)
-        memmove(row_of(s, 0), row_of(s, s->early),
-                (size_t)s->rows.count * (size_t)(s->n + row_state) * sizeof(double));
-    return status;
-}
-
 saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double *start,
                                saltus_message *message) {
     const saltus_system *system = saltus_flow_system(flow, 0);
@@ -441,7 +388,16 @@ saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double 
         lap->square = saltus_flow_information(flow, 0).square;
         lap->watched = 1;
         saltus_flow_state(flow, 0, end);
-        status = close_chatter(&s, flow, state, message);
+    }
+    if (status == SALTUS_OK && s.cut != 0) {
+        /* The walk may have begun amid the impacts of a chatter: follow that to the end of its contact, and
+         * keep the returns after it. */
+        s.begin = 1;
+        status = walk(&s, NULL, flow, state, s.cut, message);
+        s.rows.count -= s.early;
+        if (s.rows.count > 0)
+            memmove(row_of(&s, 0), row_of(&s, s.early),
+                    (size_t)s.rows.count * (size_t)(s.n + row_state) * sizeof(double));
     }
     if (status == SALTUS_OK && !hand_over(lap, &s, system, start))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the points of an orbit");
@@ -451,30 +407,13 @@ saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double 
     return status;
 }
 
-/* To tell rests, which close after any time: how far the flow would go in a period at its speed at the base,
- * in the state's scales. */
-static saltus_status base_speed(saltus_flow *flow, const double *state, double *speed,
-                                saltus_message *message) {
-    const saltus_system *system = saltus_flow_system(flow, 0);
-    const double *scale = saltus_system_scale(system);
-    double field[SALTUS_STATE_MAX];
-    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
-    *speed = 0;
-    if (status != SALTUS_OK)
-        return status;
-    saltus_flow_field(flow, 0, field);
-    for (int i = 0; i < saltus_system_dimension(system); i++)
-        *speed = fmax(*speed, fabs(field[i]) / scale[i] * saltus_system_period(system));
-    return status;
-}
-
 saltus_status saltus_cycle_polish(const saltus_system *system, const double *guess,
                                   const saltus_orbit_options *options, saltus_orbit *orbit,
                                   saltus_system **clocked, saltus_lap *lap, saltus_message *message) {
     saltus_orbit_options shooting = *options;
     saltus_flow *flow = NULL;
     const double still = 1e-9;
-    double speed;
+    double field[SALTUS_STATE_MAX] = {0}, speed = 0;
     int part = 1;
     shooting.free_period = true;
     *clocked = NULL;
@@ -485,7 +424,13 @@ saltus_status saltus_cycle_polish(const saltus_system *system, const double *gue
     if (status == SALTUS_OK)
         status = saltus_flow_single(*clocked, 0, &options->flow, &flow, message);
     if (status == SALTUS_OK)
-        status = base_speed(flow, orbit->state, &speed, message);
+        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, orbit->state, message);
+    if (status == SALTUS_OK)
+        saltus_flow_field(flow, 0, field);
+    /* A rest closes after any time: how far would the flow go in a period at its speed at the base? */
+    for (int i = 0; i < saltus_system_dimension(system) && status == SALTUS_OK; i++)
+        speed =
+            fmax(speed, fabs(field[i]) / saltus_system_scale(*clocked)[i] * saltus_system_period(*clocked));
     if (status == SALTUS_OK && speed < still)
         status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "Newton's iteration ends in a rest");
     if (status == SALTUS_OK)

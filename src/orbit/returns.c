@@ -32,19 +32,6 @@ struct saltus_returns {
     int *used; /* number used of these */
 };
 
-static void reserve(saltus_returns *r) {
-    size_t n = (size_t)r->n, spans = (size_t)r->spans, ring = (size_t)r->ring,
-           slots = spans * (size_t)r->wanted.most;
-    r->points = saltus_arena_doubles(&r->arena, n * ring);
-    r->grown = saltus_arena_doubles(&r->arena, ring);
-    r->now = saltus_arena_doubles(&r->arena, spans);
-    r->last = saltus_arena_doubles(&r->arena, spans);
-    r->before = saltus_arena_doubles(&r->arena, spans);
-    r->kept = (kept *)(void *)saltus_arena_doubles(&r->arena, slots * sizeof(kept) / sizeof(double));
-    r->states = saltus_arena_doubles(&r->arena, n * slots);
-    r->used = (int *)(void *)saltus_arena_doubles(&r->arena, spans);
-}
-
 saltus_status saltus_returns_new(const saltus_system *system, const saltus_returns_wanted *wanted,
                                  saltus_returns **returns, saltus_message *message) {
     saltus_returns *r = calloc(1, sizeof *r);
@@ -55,11 +42,21 @@ saltus_status saltus_returns_new(const saltus_system *system, const saltus_retur
                               .n = saltus_system_dimension(system),
                               .spans = wanted->longest - wanted->shortest + 1,
                               .ring = wanted->longest + 2};
-        reserve(r);
+        const size_t n = (size_t)r->n, spans = (size_t)r->spans, ring = (size_t)r->ring,
+                     slots = spans * (size_t)wanted->most;
+        do {
+            r->points = saltus_arena_doubles(&r->arena, n * ring);
+            r->grown = saltus_arena_doubles(&r->arena, ring);
+            r->now = saltus_arena_doubles(&r->arena, spans);
+            r->last = saltus_arena_doubles(&r->arena, spans);
+            r->before = saltus_arena_doubles(&r->arena, spans);
+            r->kept = (kept *)(void *)saltus_arena_doubles(&r->arena, slots * sizeof(kept) / sizeof(double));
+            r->states = saltus_arena_doubles(&r->arena, n * slots);
+            r->used = (int *)(void *)saltus_arena_doubles(&r->arena, spans);
+        } while (saltus_arena_again(&r->arena));
     }
-    if (!r || !saltus_arena_open(&r->arena))
+    if (!r || !r->arena.base)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for close returns");
-    reserve(r);
     saltus_returns_break(r);
     return SALTUS_OK;
 }
@@ -80,10 +77,6 @@ static double *point_at(const saltus_returns *r, long long k) {
     return r->points + (size_t)(k % r->ring) * (size_t)r->n;
 }
 
-static double *state_of(const saltus_returns *r, int slot) {
-    return r->states + (size_t)slot * (size_t)r->n;
-}
-
 /* Keep a return if it is among the closest. Of two close to each other, and so to the same orbit, the closer
  * one stays. */
 static void keep(saltus_returns *r, int i, long long place, const double *state) {
@@ -92,7 +85,7 @@ static void keep(saltus_returns *r, int i, long long place, const double *state)
     int slot = -1, farthest = first;
     for (int k = first; k < used; k++) {
         double within = r->wanted.same * fmax(distance, r->kept[k].distance);
-        if (saltus_system_distance_within(r->system, state_of(r, k), state, within) <= within)
+        if (saltus_system_distance_within(r->system, r->states + k * r->n, state, within) <= within)
             slot = k;
         if (r->kept[k].distance > r->kept[farthest].distance)
             farthest = k;
@@ -102,19 +95,7 @@ static void keep(saltus_returns *r, int i, long long place, const double *state)
     if (slot < used && r->kept[slot].distance <= distance)
         return;
     r->kept[slot] = (kept){place, distance, false};
-    memcpy(state_of(r, slot), state, (size_t)r->n * sizeof *state);
-}
-
-/* Whether the return to the last but one point after p periods is a candidate. */
-static bool is_candidate(const saltus_returns *r, int p) {
-    const int shortest = r->wanted.shortest, i = p - shortest;
-    const double distance = r->last[i];
-    if (!(distance < r->wanted.recurrence && distance <= r->before[i] && distance <= r->now[i]))
-        return false;
-    for (int q = shortest; q <= p / 2; q++)
-        if (p % q == 0 && r->last[q - shortest] <= distance)
-            return false;
-    return true;
+    memcpy(r->states + slot * r->n, state, (size_t)r->n * sizeof *state);
 }
 
 void saltus_returns_add(saltus_returns *r, const double *point, double growth) {
@@ -133,9 +114,17 @@ void saltus_returns_add(saltus_returns *r, const double *point, double growth) {
                                                          r->wanted.recurrence)
                          : INFINITY;
     }
-    for (int p = shortest; p <= r->wanted.longest && k > p + 1; p++)
-        if (is_candidate(r, p))
-            keep(r, p - shortest, k - 1 - p, point_at(r, k - 1 - p));
+    /* Returns to the last but one point that are closer than those before and after, and than any divisor's.
+     */
+    for (int p = shortest; p <= r->wanted.longest && k > p + 1; p++) {
+        const int i = p - shortest;
+        const double distance = r->last[i];
+        bool candidate = distance < r->wanted.recurrence && distance <= r->before[i] && distance <= r->now[i];
+        for (int q = shortest; q <= p / 2 && candidate; q++)
+            candidate = p % q != 0 || !(r->last[q - shortest] <= distance);
+        if (candidate)
+            keep(r, i, k - 1 - p, point_at(r, k - 1 - p));
+    }
 }
 
 bool saltus_returns_next(saltus_returns *r, int periods, saltus_return *closest) {
@@ -146,7 +135,7 @@ bool saltus_returns_next(saltus_returns *r, int periods, saltus_return *closest)
             best = k;
     if (!best)
         return false;
-    *closest = (saltus_return){best->place, state_of(r, (int)(best - r->kept)), best->distance};
+    *closest = (saltus_return){best->place, r->states + (best - r->kept) * r->n, best->distance};
     best->taken = true;
     return true;
 }

@@ -38,44 +38,6 @@ saltus_status saltus_sequence_walk(const saltus_sequence *s, saltus_flow *flow, 
     return status;
 }
 
-/* The middle of the longest free flight in a walk from section phase 0, whose ends join; 0: always in
- * contact. */
-static double longest_flight(const saltus_lap *lap) {
-    double best = -1, base = 0;
-    int held = 0;
-    for (int k = 0; k < lap->event_count; k++) {
-        const saltus_event *event = &lap->events[k], *next = &lap->events[(k + 1) % lap->event_count];
-        held += (event->kind == SALTUS_STICK) - (event->kind == SALTUS_RELEASE);
-        double time = saltus_time_periods(event->time), after = saltus_time_periods(next->time);
-        if (k + 1 == lap->event_count)
-            after += lap->periods;
-        bool free_flight = event->kind != SALTUS_STICK && held <= 0;
-        if (free_flight && after - time > best) {
-            best = after - time;
-            base = fmod(time + 0.5 * (after - time), lap->periods);
-        }
-    }
-    return base;
-}
-
-/* A stick that completes chatter belongs to the preceding burst of impacts, which the flow must find itself:
- * from the first impact from which on the speeds fall. */
-static void close_burst(saltus_sequence *s, const double *speed, const saltus_event *stick) {
-    int first = s->count;
-    while (first > 0 && s->mark[first - 1].kind == SALTUS_IMPACT && s->mark[first - 1].face == stick->face &&
-           (first == s->count || speed[first - 1] > speed[first]))
-        first--;
-    if (first == s->count) {
-        if (s->count)
-            s->mark[s->count - 1].driven = true;
-        else
-            s->driven = true;
-        return;
-    }
-    s->mark[first].driven = true;
-    s->count = first + 1;
-}
-
 bool saltus_sequence_in_tail(const saltus_sequence *s, const double *speed, int count, int face,
                              double next_speed) {
     enum { prescribed_at_most = 24 };
@@ -94,7 +56,15 @@ static void make_marks(const saltus_lap *lap, saltus_sequence *s) {
         const saltus_event *event = &lap->events[k];
         bool prescribed = event->kind != SALTUS_STICK || saltus_system_face(lap->system, event->face).r == 0;
         if (!prescribed) {
-            close_burst(s, speed, event);
+            /* A stick that completes chatter belongs to the preceding burst of impacts, which the flow must
+             * find itself: from the first impact from which on the speeds fall. */
+            int first = s->count;
+            while (first > 0 && s->mark[first - 1].kind == SALTUS_IMPACT &&
+                   s->mark[first - 1].face == event->face &&
+                   (first == s->count || speed[first - 1] > speed[first]))
+                first--;
+            s->count = first < s->count ? first + 1 : s->count;
+            *(s->count ? &s->mark[s->count - 1].driven : &s->driven) = true;
             continue;
         }
         bool tail = event->kind == SALTUS_IMPACT && s->count &&
@@ -207,9 +177,22 @@ saltus_status saltus_sequence_make(saltus_flow *flow, int periods, bool free_per
     saltus_status status = saltus_sequence_walk(s, flow, state, lap, NULL, message);
     if (status != SALTUS_OK)
         return status;
-    bool turning = free_period && saltus_orbit_turning(flow, periods, &time, state);
-    s->base = s->cut[0] =
-        turning || (lap->event_count == 0 && !lap->contacts) ? fmod(time, periods) : longest_flight(lap);
+    const bool turning = free_period && saltus_orbit_turning(flow, periods, &time, state),
+               chosen = turning || (lap->event_count == 0 && !lap->contacts);
+    double longest = -1;
+    s->base = chosen ? fmod(time, periods) : 0;
+    /* Otherwise the middle of the longest free flight in the walk, whose ends join; 0: always in contact. */
+    for (int k = 0, held = 0; k < lap->event_count && !chosen; k++) {
+        const saltus_event *event = &lap->events[k], *next = &lap->events[(k + 1) % lap->event_count];
+        held += (event->kind == SALTUS_STICK) - (event->kind == SALTUS_RELEASE);
+        const double from = saltus_time_periods(event->time),
+                     to = saltus_time_periods(next->time) + (k + 1 == lap->event_count ? lap->periods : 0);
+        if (event->kind != SALTUS_STICK && held <= 0 && to - from > longest) {
+            longest = to - from;
+            s->base = fmod(from + 0.5 * longest, lap->periods);
+        }
+    }
+    s->cut[0] = s->base;
     if (s->base > 0) {
         if (!turning)
             status = saltus_state_carry(flow, (saltus_time){0, 0}, saltus_time_of(s->base), state, message);

@@ -10,17 +10,6 @@
 /* From this many tangent vectors on, they take nearly all the time. */
 enum { many = 8 };
 
-static void reserve(saltus_shooting *p) {
-    const size_t count = (size_t)p->count, square = (size_t)p->n * (size_t)p->n;
-    saltus_equations_reserve(&p->equations, p->response.unknowns, &p->arena);
-    p->equations.count = p->count;
-    p->scale = saltus_arena_doubles(&p->arena, count);
-    p->plain = saltus_arena_doubles(&p->arena, (size_t)p->response.unknowns);
-    saltus_response_reserve(&p->response, &p->arena);
-    p->collection.since = saltus_arena_doubles(&p->arena, square);
-    p->collection.work = saltus_arena_doubles(&p->arena, square);
-}
-
 /* Create flows and scales for the first system. */
 static saltus_status open_parts(saltus_shooting *p, saltus_flow_options flow, saltus_message *message) {
     const saltus_system *system = p->full.system;
@@ -75,11 +64,10 @@ saltus_status saltus_shooting_new(const saltus_family *family, const saltus_orbi
         status = saltus_system_new(&family->spec, &p->bare.system, message);
     if (status == SALTUS_OK)
         status = open_parts(p, options->flow, message);
-    if (status != SALTUS_OK) {
+    if (status == SALTUS_OK)
+        *shooting = p;
+    else
         saltus_shooting_free(p);
-        return status;
-    }
-    *shooting = p;
     return status;
 }
 
@@ -95,11 +83,10 @@ void saltus_shooting_free(saltus_shooting *p) {
     if (!p)
         return;
     close_shape(p);
-    for (int k = 0; k < 2; k++) {
-        const saltus_tuned *tuned = k ? &p->bare : &p->full;
-        saltus_flow_free(tuned->flow);
-        saltus_system_free(tuned->system);
-    }
+    saltus_flow_free(p->full.flow);
+    saltus_system_free(p->full.system);
+    saltus_flow_free(p->bare.flow);
+    saltus_system_free(p->bare.system);
     free(p);
 }
 
@@ -126,11 +113,18 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
     p->equations.kind = marks ? "event times unknown" : "stroboscopic map";
     p->breaches.room = 2 * marks + 2 * (marks + cuts + 1) * faces;
     p->breaches.items = calloc((size_t)p->breaches.room + 1, sizeof *p->breaches.items);
-    reserve(p);
-    if (!(p->breaches.items && saltus_dense_lu_open(&p->equations.lu, p->response.unknowns) &&
-          saltus_arena_open(&p->arena)))
+    const size_t square = (size_t)p->n * (size_t)p->n;
+    do {
+        saltus_equations_reserve(&p->equations, p->response.unknowns, &p->arena);
+        p->scale = saltus_arena_doubles(&p->arena, (size_t)p->count);
+        p->plain = saltus_arena_doubles(&p->arena, (size_t)p->response.unknowns);
+        saltus_response_reserve(&p->response, &p->arena);
+        p->collection.since = saltus_arena_doubles(&p->arena, square);
+        p->collection.work = saltus_arena_doubles(&p->arena, square);
+    } while (saltus_arena_again(&p->arena));
+    p->equations.count = p->count;
+    if (!(p->arena.base && p->breaches.items && saltus_dense_lu_open(&p->equations.lu, p->response.unknowns)))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a sequence of %d events", marks);
-    reserve(p);
     for (int j = 0; j < p->count; j++)
         p->scale[j] = j < cuts * p->n ? p->state_scale[j % p->n] : 1;
     return SALTUS_OK;

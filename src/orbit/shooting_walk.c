@@ -44,17 +44,6 @@ static void collect_piece(saltus_shooting *p, const double *piece) {
     c->begun = true;
 }
 
-/* The same for a piece that ends with a mark, whose time depends on the state: the flow's tangent vectors
- * passed it at a fixed time. */
-static void collect_mark(saltus_shooting *p, const saltus_strike *strike) {
-    const int n = p->n;
-    double *tangents = p->response.tangents;
-    for (int k = 0; k < n; k++)
-        for (int i = 0; i < n; i++)
-            tangents[k * n + i] -= strike->shift[i] * (strike->equation_gradient[k] / strike->equation_rate);
-    collect_piece(p, tangents);
-}
-
 /* End a segment with the piece. */
 static saltus_status collect_segment(walk *w, saltus_message *message) {
     saltus_collection *c = &w->p->collection;
@@ -112,17 +101,23 @@ static saltus_status coast(walk *w, double until, int mark, saltus_message *mess
     return status;
 }
 
-/* Flow to a time with the flow's own events. If the next mark is a release, that one is prescribed: once the
- * contact holds, the flow coasts to the mark. */
-static saltus_status drive(walk *w, double until, int mark, saltus_message *message) {
+/* Flow to a time, coasting or with the flow's own events; `mark` is the next mark. If that is a release, it
+ * is prescribed: once the contact holds, the flow coasts to the mark. */
+static saltus_status run_piece(walk *w, double until, int mark, saltus_message *message) {
     const saltus_sequence *s = &w->p->sequence;
-    int awaited = mark < s->count && s->mark[mark].kind == SALTUS_RELEASE ? s->mark[mark].face : -1;
+    const int awaited = mark < s->count && s->mark[mark].kind == SALTUS_RELEASE ? s->mark[mark].face : -1;
+    const unsigned watch = SALTUS_WATCH_STICK | (w->collects ? SALTUS_WATCH_STEP : 0);
     saltus_event event;
     saltus_status status;
+    if (!(until >= w->time))
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
+    if (w->whole)
+        saltus_response_begin_piece(&w->p->response, w->flow);
+    w->time = until;
+    if (!w->driven)
+        return coast(w, until, mark, message);
     do {
-        status =
-            saltus_flow_advance(w->flow, saltus_time_of(until),
-                                SALTUS_WATCH_STICK | (w->collects ? SALTUS_WATCH_STEP : 0), &event, message);
+        status = saltus_flow_advance(w->flow, saltus_time_of(until), watch, &event, message);
         if (status == SALTUS_OK && event.kind == SALTUS_STEP)
             status = after_step(w, message);
         if (status == SALTUS_OK && event.kind == SALTUS_STICK) {
@@ -132,16 +127,6 @@ static saltus_status drive(walk *w, double until, int mark, saltus_message *mess
         }
     } while (status == SALTUS_OK && event.kind != SALTUS_REACHED);
     return status;
-}
-
-/* Flow to a time, coasting or with the flow's own events; `mark` is the next mark. */
-static saltus_status run_piece(walk *w, double until, int mark, saltus_message *message) {
-    if (!(until >= w->time))
-        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
-    if (w->whole)
-        saltus_response_begin_piece(&w->p->response, w->flow);
-    w->time = until;
-    return w->driven ? drive(w, until, mark, message) : coast(w, until, mark, message);
 }
 
 /* Start at a cut, where the state is an unknown. */
@@ -160,20 +145,6 @@ static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_me
     return status;
 }
 
-/* Note the contact interval or the impact speed at a mark. */
-static void mark_breaches(walk *w, int k, const saltus_strike *strike) {
-    saltus_shooting *p = w->p;
-    const saltus_mark *mark = &p->sequence.mark[k];
-    if (mark->kind == SALTUS_RELEASE) {
-        note_breach(&p->breaches, SALTUS_BREACH_HOLD, w->held_since[mark->face] - w->time, k, mark->face,
-                    w->time);
-        return;
-    }
-    note_breach(&p->breaches, SALTUS_BREACH_SPEED, -strike->speed / p->speed, k, mark->face, w->time);
-    if (mark->kind == SALTUS_STICK)
-        w->held_since[mark->face] = w->time;
-}
-
 static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
     saltus_shooting *p = w->p;
     const saltus_mark *mark = &p->sequence.mark[k];
@@ -187,15 +158,28 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
     if (status != SALTUS_OK)
         return status;
     p->equations.residual[own] = strike.equation / scale;
-    mark_breaches(w, k, &strike);
+    /* Note the contact interval or the impact speed. */
+    if (mark->kind == SALTUS_RELEASE)
+        note_breach(&p->breaches, SALTUS_BREACH_HOLD, w->held_since[mark->face] - w->time, k, mark->face,
+                    w->time);
+    else
+        note_breach(&p->breaches, SALTUS_BREACH_SPEED, -strike.speed / p->speed, k, mark->face, w->time);
+    if (mark->kind == SALTUS_STICK)
+        w->held_since[mark->face] = w->time;
     w->driven = mark->driven;
     if (!w->whole)
         return status;
     saltus_response_mark(&p->response, &strike, scale, own, w->period,
                          p->equations.jacobian + (size_t)own * (size_t)m);
     saltus_response_end_piece(&p->response, w->flow);
-    if (w->collects)
-        collect_mark(p, &strike);
+    if (w->collects) {
+        /* The mark's time depends on the state: the flow's tangent vectors passed it at a fixed time. */
+        double *tangents = p->response.tangents;
+        for (int j = 0; j < p->n; j++)
+            for (int i = 0; i < p->n; i++)
+                tangents[j * p->n + i] -= shift[i] * (gradient[j] / strike.equation_rate);
+        collect_piece(p, tangents);
+    }
     for (int i = 0; i < p->n; i++)
         p->response.answer[i * m + own] += shift[i] * w->period;
     return status;
@@ -228,33 +212,6 @@ static void find_aside(saltus_shooting *p) {
     *aside = 0;
     for (int i = 0; i < p->n; i++)
         *aside += s->across[i] / p->scale[i] * (p->plain[i] - s->anchor[i]);
-}
-
-/* The Jacobian's row of that equation. */
-static void anchor_row(saltus_shooting *p) {
-    const saltus_sequence *s = &p->sequence;
-    double *row = p->equations.jacobian + (size_t)(p->count - 1) * (size_t)p->equations.unknowns;
-    double field[SALTUS_STATE_MAX];
-    memset(row, 0, (size_t)p->equations.unknowns * sizeof *row);
-    p->onward = p->flow_speed = 0;
-    saltus_flow_field(p->full.flow, 0, field);
-    for (int i = 0; i < p->n; i++) {
-        row[i] = s->across[i] / p->scale[i];
-        p->onward += row[i] * field[i] / s->speed;
-        p->flow_speed = hypot(p->flow_speed, field[i] / p->scale[i] / s->speed);
-    }
-}
-
-/* Scale the columns: states and times by their scales, the period's by -omega, parameters by their units. */
-static void scale_columns(saltus_shooting *p) {
-    const int m = p->equations.unknowns;
-    for (int j = 0; j < m; j++) {
-        const double factor = j < p->response.plain ? p->scale[j]
-                              : j < p->count        ? -p->full.omega
-                                                    : p->family.unit[j - p->count];
-        for (int i = 0; i < p->count; i++)
-            p->equations.jacobian[(size_t)i * (size_t)m + (size_t)j] *= factor;
-    }
 }
 
 saltus_spec saltus_family_spec(const saltus_family *family, const double *parameters, double omega) {
@@ -301,25 +258,6 @@ static saltus_status tune(const saltus_family *family, saltus_tuned *t, const do
     return status;
 }
 
-/* No mark may lie outside the orbit: Newton's method tries times of millions of periods. */
-static bool lies_within(const saltus_shooting *p, const double *times) {
-    const saltus_sequence *s = &p->sequence;
-    for (int k = 0; k < s->count; k++)
-        if (!(times[k] >= s->base && times[k] <= s->base + s->periods))
-            return false;
-    return true;
-}
-
-/* Newton's method tries states so far out that a period takes a million times as long. Give up a trial that
- * takes many times the steps of previous orbits. */
-static void learn_steps(saltus_shooting *p, long long steps) {
-    const double many = 100, least = 2e4;
-    double own = (double)steps / p->sequence.periods;
-    p->steps = p->steps > 0 ? fmin(own, 2 * p->steps) : own;
-    saltus_flow_limit_steps(p->full.flow, fmax(least, many * p->steps));
-    saltus_flow_limit_steps(p->bare.flow, fmax(least, many * p->steps));
-}
-
 saltus_status saltus_shooting_along(saltus_shooting *p, saltus_tuned *by, int segments, const double *u,
                                     saltus_message *message) {
     const saltus_sequence *s = &p->sequence;
@@ -337,8 +275,10 @@ saltus_status saltus_shooting_along(saltus_shooting *p, saltus_tuned *by, int se
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
         w.held_since[f] = s->base;
     p->breaches.count = 0;
-    if (!lies_within(p, p->plain + s->cuts * p->n))
-        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
+    /* No mark may lie outside the orbit: Newton's method tries times of millions of periods. */
+    for (int j = s->cuts * p->n; j < s->cuts * p->n + s->count; j++)
+        if (!(p->plain[j] >= s->base && p->plain[j] <= s->base + s->periods))
+            return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
     saltus_status status = tune(&p->family, by, u + p->count, saltus_shooting_omega(p, u), message);
     w.period = saltus_system_period(by->system);
     p->collection.whole &= !w.whole;
@@ -356,8 +296,14 @@ saltus_status saltus_shooting_along(saltus_shooting *p, saltus_tuned *by, int se
         contacts = saltus_flow_contacts(w.flow, 0);
         steps += saltus_flow_information(w.flow, 0).steps;
     }
-    if (status == SALTUS_OK && segments == s->cuts && w.whole)
-        learn_steps(p, steps);
+    if (status == SALTUS_OK && segments == s->cuts && w.whole) {
+        /* Newton's method tries states so far out that a period takes a million times as long. Give up a
+         * trial that takes many times the steps of previous orbits. */
+        const double many = 100, least = 2e4, own = (double)steps / s->periods;
+        p->steps = p->steps > 0 ? fmin(own, 2 * p->steps) : own;
+        saltus_flow_limit_steps(p->full.flow, fmax(least, many * p->steps));
+        saltus_flow_limit_steps(p->bare.flow, fmax(least, many * p->steps));
+    }
     if (status == SALTUS_OK && w.collects) {
         saltus_cocycle *into = p->collection.into;
         into->given = true;
@@ -370,14 +316,32 @@ saltus_status saltus_shooting_along(saltus_shooting *p, saltus_tuned *by, int se
 
 saltus_status saltus_shooting_around(void *self, const double *u, saltus_message *message) {
     saltus_shooting *p = self;
-    saltus_status status = saltus_shooting_along(p, &p->full, p->sequence.cuts, u, message);
+    const saltus_sequence *s = &p->sequence;
+    const int m = p->equations.unknowns;
+    saltus_status status = saltus_shooting_along(p, &p->full, s->cuts, u, message);
     if (status != SALTUS_OK)
         return status;
-    if (p->sequence.omega > 0) {
+    if (s->omega > 0) {
+        double field[SALTUS_STATE_MAX], *row = p->equations.jacobian + (size_t)(p->count - 1) * (size_t)m;
         find_aside(p);
-        anchor_row(p);
+        memset(row, 0, (size_t)m * sizeof *row);
+        p->onward = p->flow_speed = 0;
+        saltus_flow_field(p->full.flow, 0, field);
+        for (int i = 0; i < p->n; i++) {
+            row[i] = s->across[i] / p->scale[i];
+            p->onward += row[i] * field[i] / s->speed;
+            p->flow_speed = hypot(p->flow_speed, field[i] / p->scale[i] / s->speed);
+        }
     }
-    scale_columns(p);
+    /* Scale the columns: states and times by their scales, the period's by -omega, parameters by their units.
+     */
+    for (int j = 0; j < m; j++) {
+        const double factor = j < p->response.plain ? p->scale[j]
+                              : j < p->count        ? -p->full.omega
+                                                    : p->family.unit[j - p->count];
+        for (int i = 0; i < p->count; i++)
+            p->equations.jacobian[(size_t)i * (size_t)m + (size_t)j] *= factor;
+    }
     return status;
 }
 

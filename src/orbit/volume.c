@@ -6,7 +6,7 @@
 #include <math.h>
 
 double saltus_trace_over_step(const saltus_flow *flow, int lane, const gsl_integration_glfixed_table *table,
-                              double *state, long long *steps) {
+                              long long *steps) {
     const saltus_system *system = saltus_flow_system(flow, lane);
     const double period = saltus_system_period(system), end = saltus_flow_time(flow, lane).phase;
     double sum = 0, length = saltus_flow_step_length(flow, lane);
@@ -14,7 +14,7 @@ double saltus_trace_over_step(const saltus_flow *flow, int lane, const gsl_integ
     bool fresh = made != *steps;
     *steps = made;
     for (size_t k = 0; k < SALTUS_TRACE_POINTS && fresh; k++) {
-        double at, weight;
+        double at, weight, state[SALTUS_STATE_MAX];
         gsl_integration_glfixed_point(0, length, k, &at, &weight, table);
         saltus_flow_dense(flow, lane, at, state);
         const double phase = end - (length - at) / period;

@@ -10,11 +10,11 @@
 enum { SALTUS_TRACE_POINTS = 6 };
 
 /* Integral of the Jacobian's trace over a lane's last step, by Gauss quadrature on its dense output with a
- * table of SALTUS_TRACE_POINTS points. `state` is work space of length dimension. *steps is the lane's number
- * of steps at the previous call, initially the present one. The integral is 0 if no step was made since, as
- * between simultaneous impacts or if an event falls on the target. */
+ * table of SALTUS_TRACE_POINTS points. *steps is the lane's number of steps at the previous call, initially
+ * the present one. The integral is 0 if no step was made since, as between simultaneous impacts or if an
+ * event falls on the target. */
 double saltus_trace_over_step(const saltus_flow *flow, int lane, const gsl_integration_glfixed_table *table,
-                              double *state, long long *steps);
+                              long long *steps);
 /* Number of directions that an event maps to zero: two per lasting contact; one for an impact without
  * rebound. */
 int saltus_lost_directions(const saltus_flow *flow, int lane, const saltus_event *event);
