@@ -5,14 +5,6 @@
 
 #include <stdlib.h>
 
-/* Periods over which the next initial state may be measured: its share of what is left, but at least what it
- * takes to assert chaos, and at most options->measure. */
-static long long share_of(const saltus_classify_options *options, long long left, int seeds) {
-    long long share = left / seeds, least = 4 * options->lifetime;
-    share = share > least ? share : least;
-    return share < options->measure ? share : options->measure;
-}
-
 /* Count a motion with its attractor, or add it as a new one. */
 static void sort_in(const saltus_system *system, saltus_attractors *found, saltus_motion *motion) {
     saltus_ending ending = saltus_motion_ending(motion);
@@ -26,19 +18,6 @@ static void sort_in(const saltus_system *system, saltus_attractors *found, saltu
     }
     found->motions[found->count] = *motion;
     found->shares[found->count++] = 1;
-}
-
-/* Most frequent first; among equals the order of discovery. */
-static void order_by_share(saltus_attractors *found) {
-    for (int i = 1; i < found->count; i++)
-        for (int j = i; j > 0 && found->shares[j] > found->shares[j - 1]; j--) {
-            saltus_motion motion = found->motions[j];
-            int share = found->shares[j];
-            found->motions[j] = found->motions[j - 1];
-            found->shares[j] = found->shares[j - 1];
-            found->motions[j - 1] = motion;
-            found->shares[j - 1] = share;
-        }
 }
 
 /* Turns the progress of one classification into that of all initial states. */
@@ -76,7 +55,10 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
         bool stopped = false;
         told.before = k;
         saltus_progress_show(options->progress, k, seeds);
-        how.measure = share_of(options, left, seeds - k);
+        /* The next initial state's share of what is left, but at least what it takes to assert chaos. */
+        const long long share = left / (seeds - k), least = 4 * options->lifetime,
+                        wanted = share > least ? share : least;
+        how.measure = wanted < options->measure ? wanted : options->measure;
         status = saltus_state_random(system, rng, state, message);
         if (status == SALTUS_OK)
             status = saltus_motion_classify(system, state, &how, &motion, &stopped, message);
@@ -92,10 +74,18 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
         else
             saltus_motion_clear(&motion);
     }
-    if (status == SALTUS_OK)
-        order_by_share(attractors);
-    else
+    if (status != SALTUS_OK)
         saltus_attractors_clear(attractors);
+    /* Most frequent first; among equals the order of discovery. */
+    for (int i = 1; i < attractors->count; i++)
+        for (int j = i; j > 0 && attractors->shares[j] > attractors->shares[j - 1]; j--) {
+            const saltus_motion motion = attractors->motions[j];
+            const int share = attractors->shares[j];
+            attractors->motions[j] = attractors->motions[j - 1];
+            attractors->shares[j] = attractors->shares[j - 1];
+            attractors->motions[j - 1] = motion;
+            attractors->shares[j - 1] = share;
+        }
     return status;
 }
 

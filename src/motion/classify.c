@@ -111,11 +111,11 @@ static saltus_status judge(saltus_search *s, double steps, saltus_motion *motion
  * enough for a period to be seen: then a longer measurement would tell nothing. */
 static void explain_unforced(saltus_search *s, saltus_motion *motion) {
     enum { few = 12, enough = 25 }; /* returns */
-    const bool settled = saltus_verdict_settled(motion->verdict);
+    const bool settled = saltus_verdict_settled(motion->verdict), chaotic = motion->verdict == SALTUS_CHAOTIC,
+               open = !settled && !chaotic;
     const long long returns = s->visits.settling.count;
     const double unit = saltus_system_period(s->system), passed = (double)s->settling.count * unit;
-    const double missed =
-        (double)s->settling.count - (s->visits.settling.count > 1 ? saltus_visits_last(&s->visits) : 0);
+    const double missed = (double)s->settling.count - (returns > 1 ? saltus_visits_last(&s->visits) : 0);
     double recurrence, period;
     char before[sizeof motion->reason];
     snprintf(before, sizeof before, "%s", motion->reason);
@@ -123,21 +123,21 @@ static void explain_unforced(saltus_search *s, saltus_motion *motion) {
         motion->verdict != SALTUS_HELD)
         snprintf(motion->reason, sizeof motion->reason,
                  "conservative (no damping, r = 1): nothing attracts, and orbits form continua%s%.200s",
-                 settled                             ? "; this is the one that the trajectory is on"
-                 : motion->verdict == SALTUS_CHAOTIC ? "; "
-                                                     : "; saltus orbit finds one beside a trajectory",
-                 motion->verdict == SALTUS_CHAOTIC ? before : "");
+                 settled   ? "; this is the one that the trajectory is on"
+                 : chaotic ? "; "
+                           : "; saltus orbit finds one beside a trajectory",
+                 chaotic ? before : "");
     else if (!settled && saltus_search_recurs(s, &recurrence, &period))
         snprintf(motion->reason, sizeof motion->reason,
                  "returns to the section, %.9g units of time apart, repeat to %.1g, but the flow is so stiff "
                  "that rounding keeps Newton's method from confirming the orbit in double precision",
                  period, recurrence);
-    else if (!settled && motion->verdict != SALTUS_CHAOTIC && missed > 0.5 * (double)s->settling.count)
+    else if (open && missed > 0.5 * (double)s->settling.count)
         snprintf(motion->reason, sizeof motion->reason,
                  "the trajectory does not return to its section within %lld units of time; another section "
                  "(--section), a longer --transient or both would count its orbit",
                  (long long)(missed * unit));
-    else if (!settled && motion->verdict != SALTUS_CHAOTIC && returns > 1 && returns < few)
+    else if (open && returns > 1 && returns < few)
         snprintf(motion->reason, sizeof motion->reason,
                  "only %lld returns to the section within %.6g units of time, too few for a period to show; "
                  "--transient %.0f would tell",

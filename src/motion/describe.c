@@ -3,7 +3,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/effort.h"
 #include "motion/motion.h"
+#include "orbit/poincare.h"
 #include "orbit/returns.h"
+#include "system/system.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -90,6 +92,19 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
     return status;
 }
 
+/* The motion of an orbit, on the flow's system; empty on failure. */
+static saltus_status open_and_take(saltus_flow *flow, const saltus_orbit *orbit, saltus_lap *lap,
+                                   const saltus_classify_options *options, saltus_motion *motion,
+                                   saltus_message *message) {
+    const saltus_system *system = saltus_flow_system(flow, 0);
+    const saltus_status status = saltus_motion_open(system, &options->flow, motion)
+                                     ? saltus_motion_take(system, flow, orbit, lap, motion, message)
+                                     : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
+    if (status != SALTUS_OK)
+        saltus_motion_clear(motion);
+    return status;
+}
+
 saltus_status saltus_motion_describe(const saltus_system *system, const saltus_orbit *orbit,
                                      const saltus_classify_options *options, saltus_motion *motion,
                                      saltus_message *message) {
@@ -104,16 +119,74 @@ saltus_status saltus_motion_describe(const saltus_system *system, const saltus_o
     int least = status == SALTUS_OK ? saltus_lap_least_period(&lap, &options->flow) : orbit->periods;
     if (least < orbit->periods)
         status = saltus_return_polish(flow, least, orbit->state, &shooting, &shorter, &lap, message);
-    if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
     if (status == SALTUS_OK)
-        status = saltus_motion_take(system, flow, least < orbit->periods ? &shorter : orbit, &lap, motion,
-                                    message);
+        status =
+            open_and_take(flow, least < orbit->periods ? &shorter : orbit, &lap, options, motion, message);
     saltus_orbit_clear(&shorter);
     saltus_lap_close(&lap);
     saltus_flow_free(flow);
-    if (status != SALTUS_OK)
-        saltus_motion_clear(motion);
+    return status;
+}
+
+saltus_status saltus_motion_cycle(const saltus_system *system, const double *guess,
+                                  const saltus_classify_options *options, saltus_motion *motion,
+                                  saltus_message *message) {
+    saltus_orbit_options shooting = saltus_motion_shooting(options);
+    saltus_orbit orbit = {0};
+    saltus_lap lap = {.keeps_events = true};
+    saltus_system *clocked = NULL;
+    saltus_flow *flow = NULL;
+    *motion = (saltus_motion){0};
+    saltus_status status = saltus_cycle_polish(system, guess, &shooting, &orbit, &clocked, &lap, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_single(clocked, 0, &options->flow, &flow, message);
+    if (status == SALTUS_OK)
+        status = open_and_take(flow, &orbit, &lap, options, motion, message);
+    saltus_flow_free(flow);
+    saltus_system_free(clocked);
+    saltus_orbit_clear(&orbit);
+    saltus_lap_close(&lap);
+    return status;
+}
+
+saltus_status saltus_motion_cycle_after(const saltus_system *system, double periods, const double *guess,
+                                        const saltus_classify_options *options, saltus_motion *motion,
+                                        saltus_message *message) {
+    saltus_system *counted = NULL;
+    *motion = (saltus_motion){0};
+    saltus_status status = saltus_system_clocked(
+        system, saltus_spec_omega(saltus_system_spec(system)) / periods, &counted, message);
+    if (status == SALTUS_OK)
+        status = saltus_motion_cycle(counted, guess, options, motion, message);
+    saltus_system_free(counted);
+    return status;
+}
+
+saltus_status saltus_motion_count_returns(const saltus_system *system, const saltus_flow_options *options,
+                                          saltus_motion *motion, saltus_system **counted,
+                                          saltus_message *message) {
+    saltus_lap lap = {.keeps_events = true};
+    saltus_flow *flow = NULL;
+    saltus_status status =
+        saltus_system_clocked(system, 2 * M_PI * motion->periods / motion->period, counted, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_single(*counted, 0, options, &flow, message);
+    if (status == SALTUS_OK)
+        status = saltus_lap_around(&lap, flow, motion->state, motion->periods, message);
+    if (status == SALTUS_OK) {
+        free(motion->section_states);
+        free(motion->events);
+        motion->section_states = lap.points;
+        motion->events = lap.events;
+        motion->event_count = lap.event_count;
+        lap = (saltus_lap){0};
+    }
+    saltus_lap_close(&lap);
+    saltus_flow_free(flow);
+    if (status != SALTUS_OK) {
+        saltus_system_free(*counted);
+        *counted = NULL;
+    }
     return status;
 }
 
@@ -171,20 +244,6 @@ static void take_rest(saltus_equilibrium *rest, saltus_motion *motion) {
     rest->eigenvalues = NULL;
 }
 
-/* Polish a rest with the contacts that hold there, and take its eigenvalues, if it is isolated. In a
- * continuum of rests the state stays as found and is not called stable. */
-static saltus_status polish_rest(const saltus_system *system, unsigned contacts, saltus_motion *motion,
-                                 saltus_message *message) {
-    saltus_equilibrium_options how = saltus_equilibrium_defaults();
-    saltus_equilibrium rest = {0};
-    saltus_status status = saltus_equilibrium_find(system, motion->state, &how, &rest, message);
-    if (status == SALTUS_OK && rest.contacts == contacts &&
-        saltus_system_distance(system, rest.state, motion->state) < same_rest)
-        take_rest(&rest, motion);
-    saltus_equilibrium_clear(&rest);
-    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
-}
-
 /* Extremes, symmetry and label at motion->state. */
 static void describe_rest(const saltus_system *system, saltus_motion *motion) {
     bool shift, rests = motion->verdict != SALTUS_UNDECIDED,
@@ -202,8 +261,18 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
                                  saltus_message *message) {
     saltus_status status = SALTUS_OK;
     saltus_flow_state(flow, 0, motion->state);
-    if (motion->verdict != SALTUS_UNDECIDED)
-        status = polish_rest(system, saltus_flow_contacts(flow, 0), motion, message);
+    if (motion->verdict != SALTUS_UNDECIDED) {
+        /* Polish a rest with the contacts that hold there, and take its eigenvalues, if it is isolated. In a
+         * continuum of rests the state stays as found and is not called stable. */
+        const saltus_equilibrium_options how = saltus_equilibrium_defaults();
+        saltus_equilibrium rest = {0};
+        status = saltus_equilibrium_find(system, motion->state, &how, &rest, message);
+        if (status == SALTUS_OK && rest.contacts == saltus_flow_contacts(flow, 0) &&
+            saltus_system_distance(system, rest.state, motion->state) < same_rest)
+            take_rest(&rest, motion);
+        saltus_equilibrium_clear(&rest);
+        status = status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
+    }
     describe_rest(system, motion);
     return status == SALTUS_OK && motion->verdict == SALTUS_HELD ? measure_forces(flow, motion, message)
                                                                  : status;

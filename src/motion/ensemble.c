@@ -131,24 +131,11 @@ static saltus_status run_transient(saltus_ensemble *e, const double *initial, sa
     return status;
 }
 
-/* Run until the tangent vectors are aligned and, if neighbours separate, until the members have diverged
- * from the trajectory that they start on, which each would otherwise retrace. */
-static saltus_status align(saltus_ensemble *e, saltus_message *message) {
-    double least, grown[SALTUS_MEMBERS_MAX] = {0};
-    saltus_status status = SALTUS_OK;
-    do {
-        least = INFINITY;
-        status = saltus_ensemble_run(e, align_samples / e->member[0].growth.whole + 1, message);
-        for (int m = 0; m < e->members; m++)
-            least = fmin(least, grown[m] += e->member[m].recent);
-    } while (status == SALTUS_OK && e->members > 1 && least > 1 && least < strangers &&
-             e->member[0].samples < most_aligned);
-    return status;
-}
-
-/* Start the members from their states, all but the first disturbed if asked for, and align their tangent
- * vectors. */
+/* Start the members from their states, all but the first disturbed if asked for. Run until the tangent
+ * vectors are aligned and, if neighbours separate, until the members have diverged from the trajectory that
+ * they start on, which each would otherwise retrace. */
 static saltus_status start(saltus_ensemble *e, bool disturbed, saltus_message *message) {
+    double least, grown[SALTUS_MEMBERS_MAX] = {0};
     saltus_status status = SALTUS_OK;
     for (int m = 0; m < e->members && status == SALTUS_OK; m++) {
         saltus_member *self = &e->member[m];
@@ -158,8 +145,13 @@ static saltus_status start(saltus_ensemble *e, bool disturbed, saltus_message *m
         if (status == SALTUS_OK)
             saltus_growth_begin(&self->growth, self->flow, self->lane, saltus_random_rng(&e->random));
     }
-    if (status == SALTUS_OK)
-        status = align(e, message);
+    for (bool again = true; status == SALTUS_OK && again;
+         again = e->members > 1 && least > 1 && least < strangers && e->member[0].samples < most_aligned) {
+        status = saltus_ensemble_run(e, align_samples / e->member[0].growth.whole + 1, message);
+        least = INFINITY;
+        for (int m = 0; m < e->members; m++)
+            least = fmin(least, grown[m] += e->member[m].recent);
+    }
     e->measures = true;
     saltus_ensemble_forget(e);
     return status;
@@ -180,41 +172,11 @@ saltus_status saltus_ensemble_begin(saltus_ensemble *e, const double *states, sa
     return start(e, false, message);
 }
 
-/* Run the members from `first` on, as many as there are lanes, for so many periods. The lane of the first of
- * all stops at each `whole` of them for its next section point. */
-static saltus_status run_lanes(saltus_flow *flow, int first, int lanes, int whole, long long periods,
-                               double *states, double *points, saltus_message *message) {
-    const saltus_system *system = saltus_flow_system(flow, 0);
-    const int n = saltus_system_dimension(system);
-    saltus_status status = SALTUS_OK;
-    for (int l = 0; l < lanes && status == SALTUS_OK; l++) {
-        status = saltus_flow_start(flow, l, (saltus_time){0, 0}, states + (first + l) * n, message);
-        saltus_flow_aim(flow, l, (saltus_time){first + l ? periods : whole, 0}, 0);
-    }
-    for (int left = lanes; left > 0 && status == SALTUS_OK;) {
-        saltus_event event;
-        int lane;
-        status = saltus_flow_run(flow, &lane, &event, message);
-        if (status != SALTUS_OK)
-            break;
-        const long long now = saltus_flow_time(flow, lane).cycle;
-        double *state = states + (first + lane) * n;
-        saltus_flow_state(flow, lane, state);
-        if (first + lane == 0)
-            memcpy(points + (now / whole - 1) * n, state, (size_t)n * sizeof *points);
-        if (now < periods)
-            saltus_flow_aim(flow, lane, (saltus_time){now + whole, 0}, 0);
-        else
-            left--;
-        status = saltus_state_bounded(system, state, saltus_flow_contacts(flow, lane), now, message);
-    }
-    return status;
-}
-
 saltus_status saltus_ensemble_ahead(const saltus_ensemble *e, long long samples, double *states,
                                     double *points, saltus_message *message) {
     const saltus_system *systems[SALTUS_MEMBERS_MAX];
     const int whole = e->member[0].growth.whole;
+    const long long periods = samples * whole;
     saltus_flow_options options = e->options->flow;
     saltus_status status = SALTUS_OK;
     options.order = order_for(e->system, &options);
@@ -224,47 +186,37 @@ saltus_status saltus_ensemble_ahead(const saltus_ensemble *e, long long samples,
     }
     for (int first = 0; first < e->members && status == SALTUS_OK; first += e->width) {
         const int lanes = e->members - first < e->width ? e->members - first : e->width;
+        int left = lanes, lane;
+        saltus_event event;
         saltus_flow *flow = NULL;
         status = saltus_flow_new(systems, lanes, &options, &flow, message);
-        if (status == SALTUS_OK)
-            status = run_lanes(flow, first, lanes, whole, samples * whole, states, points, message);
+        for (int l = 0; l < lanes && status == SALTUS_OK; l++) {
+            status = saltus_flow_start(flow, l, (saltus_time){0, 0}, states + (first + l) * e->n, message);
+            saltus_flow_aim(flow, l, (saltus_time){first + l ? periods : whole, 0}, 0);
+        }
+        while (left > 0 && status == SALTUS_OK) {
+            status = saltus_flow_run(flow, &lane, &event, message);
+            if (status != SALTUS_OK)
+                break;
+            const long long now = saltus_flow_time(flow, lane).cycle;
+            double *state = states + (first + lane) * e->n;
+            saltus_flow_state(flow, lane, state);
+            /* The lane of the first of all stops for each of its section points. */
+            if (first + lane == 0)
+                memcpy(points + (now / whole - 1) * e->n, state, (size_t)e->n * sizeof *points);
+            if (now < periods)
+                saltus_flow_aim(flow, lane, (saltus_time){now + whole, 0}, 0);
+            else
+                left--;
+            status = saltus_state_bounded(e->system, state, saltus_flow_contacts(flow, lane), now, message);
+        }
         saltus_flow_free(flow);
     }
     return status;
 }
 
-/* Store a member's complete sample. */
-static saltus_status take_sample(saltus_ensemble *e, int m, saltus_message *message) {
-    saltus_member *self = &e->member[m];
-    for (int c = 0; c < e->columns; c++)
-        saltus_average_add(&self->averages[c], self->growth.sample[c]);
-    double volume = saltus_flow_information(self->flow, self->lane).log_volume;
-    saltus_average_add(&self->averages[e->columns], self->growth.trace + volume - self->volume);
-    self->volume = volume;
-    self->recent += self->growth.sample[0];
-    self->samples++;
-    saltus_flow_state(self->flow, self->lane, self->state);
-    if (self->samples <= e->room) {
-        long long place = m * e->room + self->samples - 1;
-        memcpy(e->points + place * e->n, self->state, (size_t)e->n * sizeof *self->state);
-        e->growths[place] = self->growth.sample[0];
-    }
-    return saltus_state_bounded(e->system, self->state, saltus_flow_contacts(self->flow, self->lane),
-                                saltus_flow_time(self->flow, self->lane).cycle, message);
-}
-
-/* Whether a run without any result so far should be given up: it was asked to stop some time ago, and what is
- * missing does not come soon. */
-static bool is_late(saltus_ensemble *e) {
-    static const double patience = 2; /* seconds */
-    if (!saltus_stop_asked(e->stop))
-        return false;
-    const double now = saltus_seconds();
-    e->asked = e->asked > 0 ? e->asked : now;
-    return now - e->asked > patience;
-}
-
 saltus_status saltus_ensemble_run(saltus_ensemble *e, long long samples, saltus_message *message) {
+    static const double patience = 2; /* seconds */
     const long long goal = e->member[0].samples + samples;
     const bool fruitless = !e->measures || e->member[0].samples == 0;
     for (int m = 0; m < e->members; m++)
@@ -278,14 +230,34 @@ saltus_status saltus_ensemble_run(saltus_ensemble *e, long long samples, saltus_
             saltus_event event;
             int lane;
             bool complete;
-            if (fruitless && is_late(e))
+            /* A run without any result so far is given up if it was asked to stop some time ago, and what is
+             * missing does not come soon. */
+            if (fruitless && saltus_stop_asked(e->stop) && e->asked == 0)
+                e->asked = saltus_seconds();
+            if (fruitless && saltus_stop_asked(e->stop) && saltus_seconds() - e->asked > patience)
                 return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted before the first result");
             saltus_status status = saltus_flow_run(flow, &lane, &event, message);
             saltus_member *self = &e->member[first + lane];
             if (status == SALTUS_OK)
                 status = saltus_growth_follow(&self->growth, flow, lane, &event, &complete, message);
-            if (status == SALTUS_OK && complete)
-                status = take_sample(e, first + lane, message);
+            if (status == SALTUS_OK && complete) {
+                const saltus_flow_info now = saltus_flow_information(flow, lane);
+                for (int c = 0; c < e->columns; c++)
+                    saltus_average_add(&self->averages[c], self->growth.sample[c]);
+                saltus_average_add(&self->averages[e->columns],
+                                   self->growth.trace + now.log_volume - self->volume);
+                self->volume = now.log_volume;
+                self->recent += self->growth.sample[0];
+                self->samples++;
+                saltus_flow_state(flow, lane, self->state);
+                if (self->samples <= e->room) {
+                    const long long place = (first + lane) * e->room + self->samples - 1;
+                    memcpy(e->points + place * e->n, self->state, (size_t)e->n * sizeof *self->state);
+                    e->growths[place] = self->growth.sample[0];
+                }
+                status = saltus_state_bounded(e->system, self->state, saltus_flow_contacts(flow, lane),
+                                              saltus_flow_time(flow, lane).cycle, message);
+            }
             if (status != SALTUS_OK)
                 return status;
             if (complete && self->samples >= goal)
@@ -383,23 +355,22 @@ saltus_estimate saltus_ensemble_part(const saltus_ensemble *e, double from, doub
     return saltus_estimates_join(each, e->members);
 }
 
-/* Additional error of a negative exponent near a fold, where the orbit is approached as slowly as tangent
- * vectors shrink. The bias from this approach decays at the rate of the exponent, so the difference of the
- * run's halves gives the bias of the whole run. The flow's errors also shift the orbit, and with it the
- * exponent. The sum is limited to the exponent's own size: it adds nothing to an exponent of zero. */
-static double near_fold(const saltus_ensemble *e, double exponent) {
-    double period = saltus_system_period(e->system), length = (double)saltus_ensemble_periods(e) / e->members;
-    double share = -expm1(0.5 * exponent * period * length);
-    double apart = fabs(saltus_ensemble_part(e, 0, 0.5).mean - saltus_ensemble_part(e, 0.5, 1).mean);
-    double approach = 0.5 * apart * (2 - share) / share;
-    double moved = 3 * fmax(e->options->flow.rtol, 1e-15) / -expm1(exponent * period) / period;
-    return fmin(hypot(approach, moved), -exponent);
-}
-
 saltus_estimate saltus_ensemble_largest(const saltus_ensemble *e) {
     saltus_estimate largest = saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
-    if (largest.mean < 0 && isfinite(largest.mean) && isfinite(largest.standard_error))
-        largest.standard_error = hypot(largest.standard_error, near_fold(e, largest.mean));
+    if (!(largest.mean < 0 && isfinite(largest.mean) && isfinite(largest.standard_error)))
+        return largest;
+    /* A negative exponent has an additional error near a fold, where the orbit is approached as slowly as
+     * tangent vectors shrink. The bias from this approach decays at the rate of the exponent, so the
+     * difference of the run's halves gives the bias of the whole run. The flow's errors also shift the orbit,
+     * and with it the exponent. The sum is limited to the exponent's own size: it adds nothing to an exponent
+     * of zero. */
+    double period = saltus_system_period(e->system), length = (double)saltus_ensemble_periods(e) / e->members;
+    double share = -expm1(0.5 * largest.mean * period * length);
+    double apart = fabs(saltus_ensemble_part(e, 0, 0.5).mean - saltus_ensemble_part(e, 0.5, 1).mean);
+    double approach = 0.5 * apart * (2 - share) / share;
+    double moved = 3 * fmax(e->options->flow.rtol, 1e-15) / -expm1(largest.mean * period) / period;
+    double near_fold = fmin(hypot(approach, moved), -largest.mean);
+    largest.standard_error = hypot(largest.standard_error, near_fold);
     return largest;
 }
 

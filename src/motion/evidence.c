@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/evidence.h"
 
+#include "base/dense.h"
 #include "saltus/series.h"
 #include "saltus/spectrum.h"
 
@@ -16,25 +17,6 @@ static const double slow_exponent = 1e-5; /* per period: slower contraction may 
 static const double zero_error = 5e-5;    /* per period: how well the exponent of a torus must be known */
 static const double confidence = 0.95;
 static const double lines_only = 1e-2; /* broadband part of a torus' section points */
-
-/* The observed displacement at the section points, or its rate where a contact holds the displacement. */
-static void observe(const saltus_system *system, const double *points, long long count, double *series) {
-    const double *observer = saltus_system_observer(system);
-    int n = saltus_system_dimension(system), dof = saltus_system_dof(system);
-    for (int rate = 0; rate < 2; rate++) {
-        double low = INFINITY, high = -INFINITY, size = 0;
-        for (long long k = 0; k < count; k++) {
-            series[k] = 0;
-            for (int i = 0; i < dof; i++)
-                series[k] += observer[i] * points[k * n + rate * dof + i];
-            low = fmin(low, series[k]);
-            high = fmax(high, series[k]);
-            size = fmax(size, fabs(series[k]));
-        }
-        if (high - low > 1e-6 * size)
-            return;
-    }
-}
 
 /* Weak chaos and locking have exponents of about 1e-4 per period. */
 bool saltus_exponent_may_be_zero(saltus_estimate exponent, double period) {
@@ -86,7 +68,21 @@ saltus_status saltus_points_test(const saltus_system *system, const double *valu
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the section points");
     for (int i = 0; i < points.dimension; i++)
         weights[i] = 1 / scale[i];
-    observe(system, values, count, series);
+    /* The observed displacement at the section points, or its rate where a contact holds the displacement. */
+    const double *observer = saltus_system_observer(system);
+    const int dof = saltus_system_dof(system);
+    double low = 0, high = 0, size = 0;
+    for (int rate = 0; rate < 2 && !(high - low > 1e-6 * size); rate++) {
+        low = INFINITY;
+        high = -INFINITY;
+        size = 0;
+        for (long long k = 0; k < count; k++) {
+            series[k] = saltus_dot(observer, values + k * points.dimension + rate * dof, dof);
+            low = fmin(low, series[k]);
+            high = fmax(high, series[k]);
+            size = fmax(size, fabs(series[k]));
+        }
+    }
     saltus_status status = saltus_series_broadband(series, count, &evidence->broadband, message);
     if (status == SALTUS_OK && all)
         status = saltus_series_chaos_test(series, count, &options, &chaos, message);

@@ -123,37 +123,6 @@ static bool keeps_volume(const judge *j, const saltus_member *member) {
            saltus_flow_information(member->flow, member->lane).log_volume == member->begin.log_volume;
 }
 
-/* Find trajectories that have come to a regular motion, among those whose tangent vectors have shrunk while
- * the others' grow. */
-static saltus_status look_who_left(judge *j, saltus_message *message) {
-    saltus_evidence *evidence = &j->motion->evidence;
-    saltus_classify_options options = *j->options;
-    saltus_status status = SALTUS_OK;
-    options.transient = check_periods;
-    options.progress.show = NULL;
-    if (!evidence->left && !(saltus_ensemble_exponent(&j->ensemble, 0, false).mean > 0))
-        return SALTUS_OK;
-    for (int m = 0; m < trajectories && status == SALTUS_OK; m++) {
-        const saltus_member *member = &j->ensemble.member[m];
-        saltus_motion regular = {0};
-        if (j->escaped[m] || member->samples < j->next_look[m] || !(member->recent <= 0) ||
-            keeps_volume(j, member))
-            continue;
-        j->next_look[m] = 2 * member->samples;
-        status =
-            saltus_motion_find_period(j->ensemble.system, member->state, &options, true, &regular, message);
-        if (status == SALTUS_OK && saltus_verdict_settled(regular.verdict)) {
-            if (!evidence->left)
-                tell_exponent(j);
-            evidence->left++;
-            j->escaped[m] = member->samples - chunk / 2;
-            snprintf(evidence->left_for, sizeof evidence->left_for, "%s", regular.label);
-        }
-        saltus_motion_clear(&regular);
-    }
-    return status;
-}
-
 /* Periods watched, summed over all trajectories, each until it left. */
 static double periods_watched(const judge *j) {
     double samples = 0;
@@ -162,20 +131,41 @@ static double periods_watched(const judge *j) {
     return samples * j->ensemble.member[0].growth.whole + (double)j->watched;
 }
 
-/* Measure one more run, checking after each chunk for trajectories that have left. Once one has, stop when
- * half of them have, or when chaos could have been asserted by the time: this suffices for the lifetime. */
+/* Measure one more run, and after each chunk find trajectories that have come to a regular motion, among
+ * those whose tangent vectors have shrunk while the others' grow. Once one has, stop when half of them have,
+ * or when chaos could have been asserted by the time: this suffices for the lifetime. */
 static saltus_status run_on(judge *j, long long samples, saltus_outcome *outcome, saltus_message *message) {
     const saltus_classify_options *o = j->options;
     saltus_ensemble *e = &j->ensemble;
     saltus_evidence *evidence = &j->motion->evidence;
+    saltus_classify_options check = *o;
     saltus_status status = SALTUS_OK;
+    check.transient = check_periods;
+    check.progress.show = NULL;
     for (long long done = 0; done < samples && status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN;
          done += chunk) {
         status = saltus_ensemble_run(e, chunk, message);
-        if (status == SALTUS_OK) {
+        if (status == SALTUS_OK)
             saltus_ensemble_record(e, saltus_ensemble_largest(e), evidence->history,
                                    &evidence->history_count);
-            status = look_who_left(j, message);
+        const bool some_leave =
+            status == SALTUS_OK && (evidence->left || saltus_ensemble_exponent(e, 0, false).mean > 0);
+        for (int m = 0; m < trajectories && status == SALTUS_OK && some_leave; m++) {
+            const saltus_member *member = &e->member[m];
+            saltus_motion regular = {0};
+            if (j->escaped[m] || member->samples < j->next_look[m] || !(member->recent <= 0) ||
+                keeps_volume(j, member))
+                continue;
+            j->next_look[m] = 2 * member->samples;
+            status = saltus_motion_find_period(e->system, member->state, &check, true, &regular, message);
+            if (status == SALTUS_OK && saltus_verdict_settled(regular.verdict)) {
+                if (!evidence->left)
+                    tell_exponent(j);
+                evidence->left++;
+                j->escaped[m] = member->samples - chunk / 2;
+                snprintf(evidence->left_for, sizeof evidence->left_for, "%s", regular.label);
+            }
+            saltus_motion_clear(&regular);
         }
         if (evidence->left && (2 * evidence->left >= trajectories ||
                                saltus_lifetime_at_least(periods_watched(j), 0) >= (double)o->lifetime))
@@ -190,7 +180,6 @@ static saltus_status look_for_orbit(judge *j, saltus_message *message) {
     const saltus_ensemble *e = &j->ensemble;
     saltus_track tracks[trajectories];
     saltus_motion orbit = {0};
-    bool found = false;
     if (j->searched || saltus_system_keeps_volume(e->system))
         return SALTUS_OK;
     j->searched = true;
@@ -198,31 +187,15 @@ static saltus_status look_for_orbit(judge *j, saltus_message *message) {
         tracks[m] = (saltus_track){e->points + m * e->room * e->n, e->growths + m * e->room, points_there(e)};
     if (!saltus_system_forced(e->system))
         tracks[0] = (saltus_track){j->returns, j->times, j->return_count};
-    saltus_status status = saltus_stable_orbit_among(e->system, &e->options->flow, tracks, trajectories,
-                                                     &orbit, &found, message);
-    if (status == SALTUS_OK && found) {
+    saltus_status status =
+        saltus_stable_orbit_among(e->system, &e->options->flow, tracks, trajectories, &orbit, message);
+    if (status == SALTUS_OK && saltus_verdict_settled(orbit.verdict)) {
         const double slowest = orbit.multipliers[0].log_modulus / orbit.periods;
         j->unseen = -slowest * (double)(j->options->measure / trajectories) < approach;
         snprintf(j->motion->evidence.stable_orbit, sizeof j->motion->evidence.stable_orbit, "%s",
                  orbit.label);
     }
     saltus_motion_clear(&orbit);
-    return status;
-}
-
-/* Watch for a contact that wipes out all differences: the motion is then superstable, not chaotic. Without
- * tangent vectors watching is cheap. */
-static saltus_status look_for_contact(judge *j, saltus_message *message) {
-    saltus_ensemble *e = &j->ensemble;
-    const double *states[trajectories];
-    double after[SALTUS_STATE_MAX];
-    for (int m = 0; m < trajectories; m++)
-        states[m] = e->member[m].state;
-    saltus_status status =
-        saltus_motion_meets_contact(e->system, &e->options->flow, states, trajectories,
-                                    saltus_ensemble_periods(e), after, &j->sticks, message);
-    if (status == SALTUS_OK && j->sticks)
-        memcpy(e->member[0].state, after, (size_t)e->n * sizeof *after);
     return status;
 }
 
@@ -265,11 +238,11 @@ static saltus_status ask_points(judge *j, saltus_outcome *outcome, saltus_messag
     return status;
 }
 
-/* Whether a longer run would tell no more. If volumes are kept, nothing attracts and a motion does not
+/* Note whether a longer run would tell no more. If volumes are kept, nothing attracts and a motion does not
  * settle: in the time left either neighbours would have to come apart, or the section points, of which nearly
  * all are there, would have to fill a curve, or a drift (of the energy of a forced motion without damping)
  * would have to stop. */
-static saltus_status leads_nowhere(judge *j, bool *nowhere, saltus_message *message) {
+static saltus_status leads_nowhere(judge *j, saltus_message *message) {
     static const double likely = 2, drifts = 8; /* errors of an exponent, of a difference of halves */
     static const double near_all = 0.9;
     const saltus_ensemble *e = &j->ensemble;
@@ -279,7 +252,6 @@ static saltus_status leads_nowhere(judge *j, bool *nowhere, saltus_message *mess
     bool kept = true;
     for (int m = 0; m < trajectories; m++)
         kept &= keeps_volume(j, &e->member[m]);
-    *nowhere = false;
     if (!kept || (double)points_there(e) < near_all * points_kept)
         return SALTUS_OK;
     j->drifts = fabs(runs.first.mean - runs.second.mean) >
@@ -288,7 +260,7 @@ static saltus_status leads_nowhere(judge *j, bool *nowhere, saltus_message *mess
         return SALTUS_OK;
     saltus_outcome outcome = j->drifts ? SALTUS_OUTCOME_OPEN : SALTUS_OUTCOME_TORUS;
     saltus_status status = ask_points(j, &outcome, message);
-    *nowhere = outcome != SALTUS_OUTCOME_TORUS;
+    j->nowhere = outcome != SALTUS_OUTCOME_TORUS;
     return status;
 }
 
@@ -348,12 +320,13 @@ static saltus_status watch_on(judge *j, long long samples, saltus_outcome *outco
  * yet: go on for as long as allowed, to see when it ends, unless that would not be seen. */
 static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *message) {
     const saltus_evidence *evidence = &j->motion->evidence;
+    saltus_ensemble *e = &j->ensemble;
     saltus_runs runs = runs_of(j);
     saltus_status status = SALTUS_OK;
     if (evidence->left)
         return SALTUS_OK;
     *outcome = saltus_runs_weigh(&runs);
-    if (*outcome == SALTUS_OUTCOME_TORUS && j->ensemble.member[0].samples < least_long)
+    if (*outcome == SALTUS_OUTCOME_TORUS && e->member[0].samples < least_long)
         *outcome = SALTUS_OUTCOME_OPEN;
     const long long lacking = *outcome == SALTUS_OUTCOME_SHORT ? samples_lacking(j) : 0;
     if (lacking)
@@ -364,8 +337,18 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
         status = ask_points(j, outcome, message);
     if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_CHAOS)
         status = look_for_orbit(j, message);
-    if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_CHAOS && !evidence->stable_orbit[0])
-        status = look_for_contact(j, message);
+    if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_CHAOS && !evidence->stable_orbit[0]) {
+        /* Watch for a contact that wipes out all differences: the motion is then superstable, not chaotic.
+         * Without tangent vectors watching is cheap. */
+        const double *states[trajectories];
+        double after[SALTUS_STATE_MAX];
+        for (int m = 0; m < trajectories; m++)
+            states[m] = e->member[m].state;
+        status = saltus_motion_meets_contact(e->system, &e->options->flow, states, trajectories,
+                                             saltus_ensemble_periods(e), after, &j->sticks, message);
+        if (status == SALTUS_OK && j->sticks)
+            memcpy(e->member[0].state, after, (size_t)e->n * sizeof *after);
+    }
     if (j->sticks)
         *outcome = SALTUS_OUTCOME_REGULAR;
     if (*outcome == SALTUS_OUTCOME_SHORT || evidence->stable_orbit[0])
@@ -375,12 +358,6 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
     return status;
 }
 
-/* Whether `samples` more of each trajectory are allowed. */
-static bool affords(const judge *j, long long samples) {
-    const long long done = j->ensemble.member[0].samples, most = j->options->measure / trajectories;
-    return done + samples <= most && (!done || dearness(j) * (double)(done + samples) <= (double)most);
-}
-
 /* Make runs, each as long as all before it, until there is an outcome or no time is left. */
 static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message *message) {
     saltus_ensemble *e = &j->ensemble;
@@ -388,13 +365,15 @@ static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message
     const saltus_evidence *evidence = &j->motion->evidence;
     long long samples = first_run, most = j->options->measure / trajectories;
     saltus_status status = saltus_ensemble_place(e, j->motion->state, message);
-    while (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN && samples > 0 && !j->nowhere &&
-           affords(j, samples)) {
+    while (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN && samples > 0 && !j->nowhere) {
+        const long long done = first->samples;
+        if (done + samples > most || (done && dearness(j) * (double)(done + samples) > (double)most))
+            break;
         status = run_on(j, samples, outcome, message);
         if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN)
             status = decide(j, outcome, message);
         if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN)
-            status = leads_nowhere(j, &j->nowhere, message);
+            status = leads_nowhere(j, message);
         samples = first->samples < most - first->samples ? first->samples : most - first->samples;
     }
     if (status != SALTUS_OK || *outcome != SALTUS_OUTCOME_OPEN)
@@ -408,26 +387,6 @@ static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message
         /* The tests of the points belong to the evidence even if they decide nothing. */
         status = ask_points(j, outcome, message);
     return status;
-}
-
-/* A motion is intermittent if it stays near a periodic one for much longer than neighbours take to
- * separate. */
-static void find_intermittency(judge *j) {
-    const saltus_ensemble *e = &j->ensemble;
-    saltus_evidence *evidence = &j->motion->evidence;
-    const bool forced = saltus_system_forced(e->system);
-    double separation = 1 / (j->motion->lyapunov * saltus_system_period(e->system)),
-           weights[SALTUS_STATE_MAX];
-    for (int i = 0; i < e->n; i++)
-        weights[i] = 1 / saltus_system_scale(e->system)[i];
-    saltus_series_points points = {forced ? e->points : j->returns, weights,
-                                   forced ? points_there(e) : j->return_count, e->n};
-    saltus_series_phases phases = saltus_series_laminar_phases(&points, longest_laminar);
-    if (phases.laminar < 0.05 || (double)phases.longest < 10 * separation)
-        return;
-    evidence->laminar = phases.laminar;
-    evidence->laminar_period = phases.period;
-    evidence->longest_phase = phases.longest;
 }
 
 /* Append to the reason. */
@@ -471,32 +430,48 @@ static void tell_undecided(const judge *j) {
         say(m, "; measuring some %.1e periods would tell (--measure)", needed);
 }
 
-/* Transient chaos. */
 static void tell_transient(saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
     say(m, "a chaotic transient: exponent %.4g +- %.1g per unit of time while it lasts", m->lyapunov,
         m->lyapunov_error);
     if (e->left)
         say(m,
-            "; %d of %d trajectories on it have come to %s, after %.2g periods in the mean (at least %.0f)",
+            "; %d of %d trajectories on it have come to %s, after %.2g periods in the mean (at least %.0f); "
+            "a longer --transient would show this one do so",
             e->left, e->members, e->left_for, e->lifetime, e->lifetime_at_least);
     else
         say(m,
             "; a stable %s orbit lies amid it, on which it ends after %.0f periods or more in the mean, or "
-            "beside which chaos goes on",
+            "beside which chaos goes on; a --transient many times as long would show which",
             e->stable_orbit, e->lifetime_at_least);
-    say(m, e->left ? "; a longer --transient would show this one do so"
-                   : "; a --transient many times as long would show which");
 }
 
-static void tell_chaos(saltus_motion *m, long long watched, long long without_contact) {
-    const saltus_evidence *e = &m->evidence;
+/* Chaos. It is intermittent if it stays near a periodic motion for much longer than neighbours take to
+ * separate. */
+static void tell_chaos(const judge *j) {
+    const saltus_ensemble *ensemble = &j->ensemble;
+    const saltus_system *system = ensemble->system;
+    const bool forced = saltus_system_forced(system);
+    saltus_motion *m = j->motion;
+    saltus_evidence *e = &m->evidence;
+    const long long without_contact = saltus_contact_watch(system, e->periods);
+    double separation = 1 / (m->lyapunov * saltus_system_period(system)), weights[SALTUS_STATE_MAX];
+    for (int i = 0; i < ensemble->n; i++)
+        weights[i] = 1 / saltus_system_scale(system)[i];
+    saltus_series_points points = {forced ? ensemble->points : j->returns, weights,
+                                   forced ? points_there(ensemble) : j->return_count, ensemble->n};
+    saltus_series_phases phases = saltus_series_laminar_phases(&points, longest_laminar);
+    if (!(phases.laminar < 0.05 || (double)phases.longest < 10 * separation)) {
+        e->laminar = phases.laminar;
+        e->laminar_period = phases.period;
+        e->longest_phase = phases.longest;
+    }
     say(m,
         "largest exponent %.4g +- %.1g per unit of time over %lld periods, positive in both halves of "
         "the run; none of %d trajectories has come to a period or to rest",
         m->lyapunov, m->lyapunov_error, e->periods, e->members);
-    if (watched)
-        say(m, ", nor in %lld more, at whose end they still separate", watched);
+    if (j->watched)
+        say(m, ", nor in %lld more, at whose end they still separate", j->watched);
     say(m, ": mean lifetime at least %.0f periods (95 %%)", e->lifetime_at_least);
     if (without_contact)
         say(m, "; lasting contacts that would end it come less than once in %.0f periods",
@@ -525,8 +500,7 @@ static void tell(judge *j, saltus_outcome outcome) {
     switch (outcome) {
     case SALTUS_OUTCOME_CHAOS:
         m->verdict = SALTUS_CHAOTIC;
-        find_intermittency(j);
-        tell_chaos(m, j->watched, saltus_contact_watch(system, e->periods));
+        tell_chaos(j);
         break;
     case SALTUS_OUTCOME_TORUS:
         m->verdict = SALTUS_QUASIPERIODIC;

@@ -32,16 +32,17 @@ enum {
 static const double near_return = 0.05; /* relative to the system's scales */
 static const double same_contact = 1e-8;
 
-/* Follow a trajectory and find its closest returns to its last point, each closer than all shorter ones:
- * their periods, the closest first, 0 at the end. `state` becomes the last point, *impacts the mean number
- * of impacts per period. Errors: those of the flow, SALTUS_NO_MEMORY. */
-static saltus_status find_returns(const saltus_system *system, const saltus_classify_options *options,
-                                  double *state, int periods[tries], double *impacts,
-                                  saltus_message *message) {
-    int n = saltus_system_dimension(system);
+/* The guesses are the closest returns of a trajectory to its last point, each closer than all shorter ones;
+ * the closest is tried first. */
+saltus_status saltus_motion_find_locked(const saltus_system *system, const saltus_classify_options *options,
+                                        const double *state, saltus_motion *found, saltus_message *message) {
+    const int n = saltus_system_dimension(system);
+    int periods[tries] = {0}; /* of the returns, 0 at the end */
     double *points = malloc((size_t)followed * (size_t)n * sizeof *points), closest = near_return;
+    const double *last = points ? points + (size_t)(followed - 1) * (size_t)n : NULL;
     saltus_flow *flow = NULL;
     saltus_event event;
+    *found = (saltus_motion){0};
     saltus_status status = points ? saltus_flow_single(system, 0, &options->flow, &flow, message)
                                   : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for section points");
     if (status == SALTUS_OK)
@@ -50,38 +51,22 @@ static saltus_status find_returns(const saltus_system *system, const saltus_clas
         status = saltus_flow_advance(flow, (saltus_time){k + 1, 0}, 0, &event, message);
         saltus_flow_state(flow, 0, points + (size_t)k * (size_t)n);
     }
-    memset(periods, 0, tries * sizeof *periods);
-    if (status == SALTUS_OK) {
-        const double *last = points + (size_t)(followed - 1) * (size_t)n;
-        memcpy(state, last, (size_t)n * sizeof *state);
-        for (int p = 1; p <= longest; p++) {
-            double distance = saltus_system_distance(system, last, last - p * n);
-            if (!(distance < closest))
-                continue;
-            closest = distance;
-            memmove(periods + 1, periods, (tries - 1) * sizeof *periods);
-            periods[0] = p;
-        }
-        *impacts = (double)saltus_flow_information(flow, 0).impacts / followed;
+    for (int p = 1; p <= longest && status == SALTUS_OK; p++) {
+        double distance = saltus_system_distance(system, last, last - p * n);
+        if (!(distance < closest))
+            continue;
+        closest = distance;
+        memmove(periods + 1, periods, (tries - 1) * sizeof *periods);
+        periods[0] = p;
     }
-    saltus_flow_free(flow);
-    free(points);
-    return status;
-}
-
-saltus_status saltus_motion_find_locked(const saltus_system *system, const saltus_classify_options *options,
-                                        const double *state, saltus_motion *found, saltus_message *message) {
-    int periods[tries];
-    double end[SALTUS_STATE_MAX], impacts = 0;
-    *found = (saltus_motion){0};
-    memcpy(end, state, (size_t)saltus_system_dimension(system) * sizeof *end);
-    saltus_status status = find_returns(system, options, end, periods, &impacts, message);
+    const double impacts =
+        status == SALTUS_OK ? (double)saltus_flow_information(flow, 0).impacts / followed : 0;
     for (int k = 0; k < tries && periods[k] && status == SALTUS_OK; k++) {
         if (periods[k] * impacts > costly)
             continue;
         saltus_fixed_point orbit;
         status = saltus_fixed_point_open(&orbit, system, periods[k], &options->flow, message);
-        if (status == SALTUS_OK && saltus_fixed_point_find(&orbit, end, few_steps, near_return))
+        if (status == SALTUS_OK && saltus_fixed_point_find(&orbit, last, few_steps, near_return))
             status =
                 saltus_motion_polish(system, periods[k], orbit.state, near_return, options, found, message);
         saltus_fixed_point_close(&orbit);
@@ -90,6 +75,8 @@ saltus_status saltus_motion_find_locked(const saltus_system *system, const saltu
             break;
         }
     }
+    saltus_flow_free(flow);
+    free(points);
     return status;
 }
 
@@ -99,35 +86,15 @@ typedef struct contact {
     double state[SALTUS_STATE_MAX], section[SALTUS_STATE_MAX];
 } contact;
 
-/* Follow the flow to the next such contact and on to the next section point. *found is false if none comes
- * within `periods`. */
-static saltus_status next_contact(const saltus_system *system, saltus_flow *flow, long long periods,
-                                  contact *c, bool *found, saltus_message *message) {
-    const int n = saltus_system_dimension(system);
-    const saltus_time until = {saltus_flow_time(flow, 0).cycle + periods, 0};
-    saltus_event event;
-    *found = false;
-    saltus_status status = SALTUS_OK;
-    while (status == SALTUS_OK && !*found) {
-        status = saltus_flow_advance(flow, until, SALTUS_WATCH_STICK, &event, message);
-        if (status != SALTUS_OK || event.kind == SALTUS_REACHED)
-            return status;
-        *found = saltus_lost_directions(flow, 0, &event) >= n;
-    }
-    c->time = event.time;
-    saltus_flow_state(flow, 0, c->state);
-    status = saltus_flow_advance(flow, (saltus_time){event.time.cycle + 1, 0}, 0, &event, message);
-    saltus_flow_state(flow, 0, c->section);
-    return status;
-}
-
 /* Periods from one contact that wipes out all differences to a later one that is the same, `begin`; 0: none
  * of the first few is the same as an earlier one, or the next does not come within `patient` periods; -1:
  * not even a first one comes. */
 static saltus_status return_to_contact(const saltus_system *system, const saltus_flow_options *options,
                                        const double *state, long long patient, contact *begin,
                                        long long *periods, saltus_message *message) {
+    const int n = saltus_system_dimension(system);
     saltus_flow *flow = NULL;
+    saltus_event event;
     contact *seen = calloc(contacts_watched, sizeof *seen);
     *periods = 0;
     saltus_status status = seen ? saltus_flow_single(system, 0, options, &flow, message)
@@ -135,15 +102,20 @@ static saltus_status return_to_contact(const saltus_system *system, const saltus
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
     for (int k = 0; k < contacts_watched && status == SALTUS_OK && !*periods; k++) {
-        bool found;
-        status = next_contact(system, flow, patient, &seen[k], &found, message);
-        if (status != SALTUS_OK)
+        const saltus_time until = {saltus_flow_time(flow, 0).cycle + patient, 0};
+        do
+            status = saltus_flow_advance(flow, until, SALTUS_WATCH_STICK, &event, message);
+        while (status == SALTUS_OK && event.kind != SALTUS_REACHED &&
+               saltus_lost_directions(flow, 0, &event) < n);
+        if (status == SALTUS_OK && event.kind == SALTUS_REACHED && k == 0)
+            *periods = -1;
+        if (status != SALTUS_OK || event.kind == SALTUS_REACHED)
             break;
-        if (!found) {
-            *periods = k ? 0 : -1;
-            break;
-        }
-        for (int j = k - 1; j >= 0 && !*periods; j--)
+        seen[k].time = event.time;
+        saltus_flow_state(flow, 0, seen[k].state);
+        status = saltus_flow_advance(flow, (saltus_time){event.time.cycle + 1, 0}, 0, &event, message);
+        saltus_flow_state(flow, 0, seen[k].section);
+        for (int j = k - 1; j >= 0 && !*periods && status == SALTUS_OK; j--)
             if (saltus_system_distance(system, seen[k].state, seen[j].state) < same_contact &&
                 fabs(seen[k].time.phase - seen[j].time.phase) < same_contact) {
                 *periods = seen[k].time.cycle - seen[j].time.cycle;
@@ -188,52 +160,11 @@ saltus_status saltus_motion_find_contact(const saltus_system *system, const salt
     return status;
 }
 
-/* The earliest such contact in several trajectories: in which one, and the section point after it. */
-typedef struct first_contact {
-    int trajectory; /* -1: none yet */
-    long long cycle;
-    double *state;
-} first_contact;
-
 /* Aim a lane not far ahead: another lane may meet the contact first. */
 static void aim(saltus_flow *flow, int lane, long long last) {
     enum { stretch = 64 };
     const long long next = saltus_flow_time(flow, lane).cycle + stretch;
     saltus_flow_aim(flow, lane, (saltus_time){next < last ? next : last, 0}, SALTUS_WATCH_STICK);
-}
-
-/* Run all lanes of a flow, the first of which is number `trajectory`, while any of them can still be the
- * first to meet such a contact. The result does not depend on the number of lanes. */
-static saltus_status run_to_contact(saltus_flow *flow, int lanes, int trajectory, first_contact *first,
-                                    saltus_message *message) {
-    const int n = saltus_system_dimension(saltus_flow_system(flow, 0));
-    saltus_event event;
-    bool met[SALTUS_PACK_MAX] = {false};
-    for (int l = 0; l < lanes; l++)
-        aim(flow, l, first->cycle);
-    for (int lane, left = lanes; left > 0;) {
-        saltus_status status = saltus_flow_run(flow, &lane, &event, message);
-        if (status != SALTUS_OK)
-            return status;
-        const long long cycle = saltus_flow_time(flow, lane).cycle;
-        if (event.kind != SALTUS_REACHED && saltus_lost_directions(flow, lane, &event) >= n) {
-            met[lane] = true;
-            saltus_flow_aim(flow, lane, (saltus_time){event.time.cycle + 1, 0}, 0);
-            continue;
-        }
-        if (event.kind == SALTUS_REACHED && met[lane] &&
-            (cycle < first->cycle ||
-             (cycle == first->cycle && (first->trajectory < 0 || trajectory + lane < first->trajectory)))) {
-            first->trajectory = trajectory + lane;
-            first->cycle = cycle;
-            saltus_flow_state(flow, lane, first->state);
-        }
-        if (event.kind == SALTUS_REACHED && (met[lane] || cycle >= first->cycle))
-            left--;
-        else
-            aim(flow, lane, first->cycle);
-    }
-    return SALTUS_OK;
 }
 
 long long saltus_contact_watch(const saltus_system *system, long long measured) {
@@ -246,26 +177,53 @@ long long saltus_contact_watch(const saltus_system *system, long long measured) 
     return 2 * stops >= saltus_system_dimension(system) ? rare * measured : 0;
 }
 
+/* All lanes of a flow run while any of them can still be the first to meet such a contact. The result does
+ * not depend on the number of lanes. */
 saltus_status saltus_motion_meets_contact(const saltus_system *system, const saltus_flow_options *options,
                                           const double *const *states, int count, long long measured,
                                           double *state, bool *found, saltus_message *message) {
-    const int width = saltus_flow_width(system, options->integrator);
+    const int width = saltus_flow_width(system, options->integrator), n = saltus_system_dimension(system);
     const saltus_system *systems[SALTUS_PACK_MAX];
+    /* The earliest contact: in which trajectory, and when; `state` is the section point after it. */
+    int first = -1;
+    long long earliest = saltus_contact_watch(system, measured) / count;
     saltus_status status = SALTUS_OK;
-    first_contact first = {
-        .trajectory = -1, .cycle = saltus_contact_watch(system, measured) / count, .state = state};
     for (int l = 0; l < width; l++)
         systems[l] = system;
-    for (int done = 0; done < count && status == SALTUS_OK && first.cycle > 0; done += width) {
-        int lanes = count - done < width ? count - done : width;
+    for (int done = 0; done < count && status == SALTUS_OK && earliest > 0; done += width) {
+        int lanes = count - done < width ? count - done : width, left = lanes, lane;
+        bool met[SALTUS_PACK_MAX] = {false};
+        saltus_event event;
         saltus_flow *flow = NULL;
         status = saltus_flow_new(systems, lanes, options, &flow, message);
         for (int l = 0; l < lanes && status == SALTUS_OK; l++)
             status = saltus_flow_start(flow, l, (saltus_time){0, 0}, states[done + l], message);
-        if (status == SALTUS_OK)
-            status = run_to_contact(flow, lanes, done, &first, message);
+        for (int l = 0; l < lanes && status == SALTUS_OK; l++)
+            aim(flow, l, earliest);
+        while (left > 0 && status == SALTUS_OK) {
+            status = saltus_flow_run(flow, &lane, &event, message);
+            if (status != SALTUS_OK)
+                break;
+            const long long cycle = saltus_flow_time(flow, lane).cycle;
+            const bool reached = event.kind == SALTUS_REACHED;
+            if (!reached && saltus_lost_directions(flow, lane, &event) >= n) {
+                met[lane] = true;
+                saltus_flow_aim(flow, lane, (saltus_time){event.time.cycle + 1, 0}, 0);
+                continue;
+            }
+            if (reached && met[lane] &&
+                (cycle < earliest || (cycle == earliest && (first < 0 || done + lane < first)))) {
+                first = done + lane;
+                earliest = cycle;
+                saltus_flow_state(flow, lane, state);
+            }
+            if (reached && (met[lane] || cycle >= earliest))
+                left--;
+            else
+                aim(flow, lane, earliest);
+        }
         saltus_flow_free(flow);
     }
-    *found = first.trajectory >= 0;
+    *found = first >= 0;
     return status;
 }

@@ -160,20 +160,6 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
     return status;
 }
 
-/* Sort exponents by decreasing value if they differ by more than their errors; lost ones come last. */
-static void order(saltus_lyapunov *l) {
-    for (int i = 1; i < l->count; i++)
-        for (int j = i; j > 0 && l->exponents[j] > l->exponents[j - 1] + hypot(l->standard_errors[j],
-                                                                               l->standard_errors[j - 1]);
-             j--) {
-            double exponent = l->exponents[j], error = l->standard_errors[j];
-            l->exponents[j] = l->exponents[j - 1];
-            l->standard_errors[j] = l->standard_errors[j - 1];
-            l->exponents[j - 1] = exponent;
-            l->standard_errors[j - 1] = error;
-        }
-}
-
 /* Kaplan-Yorke dimension: how many exponents add up to zero, the last one counted in part. An exponent
  * within three of its errors of zero counts as zero. */
 static double kaplan_yorke(const saltus_lyapunov *l) {
@@ -187,8 +173,10 @@ static double kaplan_yorke(const saltus_lyapunov *l) {
     return l->count == l->dimension ? l->count : NAN;
 }
 
-static void tell_exponents(const saltus_ensemble *e, saltus_lyapunov *l) {
-    bool regular = saltus_ensemble_regular(e), all = all_lost(e);
+/* The exponents, rates of impacts and sticks, and both sides of the sum rule, by the same averages over the
+ * same time. */
+static void tell(const saltus_ensemble *e, saltus_lyapunov *l) {
+    const bool regular = saltus_ensemble_regular(e), all = all_lost(e);
     l->lost = saltus_ensemble_lost(e);
     for (int c = 0; c < e->columns; c++) {
         saltus_estimate estimate =
@@ -204,27 +192,22 @@ static void tell_exponents(const saltus_ensemble *e, saltus_lyapunov *l) {
         l->half[half] = all ? -INFINITY : part.mean;
         l->half_errors[half] = all ? 0 : part.standard_error;
     }
-    for (int m = 0; m < e->members; m++)
-        l->member_exponents[m] = all ? -INFINITY : saltus_ensemble_member(e, m, 0, regular).mean;
-    l->agree = all || saltus_ensemble_agrees(e, e->options->precision * fabs(l->exponents[0]));
-}
-
-/* Both sides of the sum rule, by the same averages over the same time; rates of impacts and sticks. */
-static void tell_sums(const saltus_ensemble *e, saltus_lyapunov *l) {
-    l->sum = l->sum_rule = NAN;
     for (int m = 0; m < e->members; m++) {
         const saltus_member *self = &e->member[m];
-        saltus_flow_info now = saltus_flow_information(self->flow, self->lane);
-        double periods = (double)l->periods;
+        const saltus_flow_info now = saltus_flow_information(self->flow, self->lane);
+        const double periods = (double)l->periods;
+        l->member_exponents[m] = all ? -INFINITY : saltus_ensemble_member(e, m, 0, regular).mean;
         l->impacts_per_period += (double)(now.impacts - self->begin.impacts) / periods;
         l->sticks_per_period += (double)(now.sticks - self->begin.sticks) / periods;
     }
+    l->agree = all || saltus_ensemble_agrees(e, e->options->precision * fabs(l->exponents[0]));
+    l->sum = l->sum_rule = NAN;
     if (l->count < l->dimension || l->lost)
         return;
     l->sum = 0;
     for (int c = 0; c < l->count; c++)
         l->sum += l->exponents[c];
-    l->sum_rule = saltus_ensemble_exponent(e, e->columns, saltus_ensemble_regular(e)).mean;
+    l->sum_rule = saltus_ensemble_exponent(e, e->columns, regular).mean;
     /* The difference counts as error of the smallest exponent, which is the most difficult to measure. */
     if (!isnan(l->sum_rule))
         l->standard_errors[l->count - 1] = hypot(l->standard_errors[l->count - 1], l->sum - l->sum_rule);
@@ -255,9 +238,18 @@ saltus_status saltus_lyapunov_run(const saltus_system *system, const double *sta
         lyapunov->time = (double)lyapunov->periods * lyapunov->period;
         lyapunov->transient = ensemble.transient;
         memcpy(lyapunov->state, ensemble.member[0].state, (size_t)ensemble.n * sizeof *lyapunov->state);
-        tell_exponents(&ensemble, lyapunov);
-        tell_sums(&ensemble, lyapunov);
-        order(lyapunov);
+        tell(&ensemble, lyapunov);
+        /* Sort exponents by decreasing value if they differ by more than their errors; lost ones come last.
+         */
+        double *exponents = lyapunov->exponents, *errors = lyapunov->standard_errors;
+        for (int i = 1; i < lyapunov->count; i++)
+            for (int j = i; j > 0 && exponents[j] > exponents[j - 1] + hypot(errors[j], errors[j - 1]); j--) {
+                const double exponent = exponents[j], error = errors[j];
+                exponents[j] = exponents[j - 1];
+                errors[j] = errors[j - 1];
+                exponents[j - 1] = exponent;
+                errors[j - 1] = error;
+            }
         lyapunov->kaplan_yorke = kaplan_yorke(lyapunov);
     } else
         saltus_lyapunov_clear(lyapunov);
@@ -265,30 +257,26 @@ saltus_status saltus_lyapunov_run(const saltus_system *system, const double *sta
     return status;
 }
 
-/* How accurately the logarithms of an orbit's multipliers are known. The orbit itself is known to Newton's
- * residual over the distance of the nearest multiplier from 1, at a fold to the residual's square root, and
- * its multipliers no better. */
-static double accuracy_of(const saltus_motion *motion, const saltus_flow_options *flow) {
-    const double of_logarithms = 1e-10; /* as saltus_multipliers_stable takes it */
-    double nearest = INFINITY, error = of_logarithms + motion->periods * flow->rtol;
-    for (int k = 0; k < motion->multiplier_count; k++)
-        nearest = fmin(nearest, hypot(1 - motion->multipliers[k].re, motion->multipliers[k].im));
-    error += fmin(motion->residual / nearest, sqrt(motion->residual));
-    return motion->trivial_multiplier ? fmax(error, fabs(log(fabs(motion->trivial_multiplier)))) : error;
-}
-
 /* From the multipliers; without forcing the zero along the flow is among the exponents. */
 static void take_orbit(const saltus_motion *motion, const saltus_flow_options *flow, saltus_lyapunov *l) {
     const int multipliers = motion->multiplier_count;
+    /* How accurately the logarithms are known. The orbit itself is known to Newton's residual over the
+     * distance of the nearest multiplier from 1, at a fold to the residual's square root, and its multipliers
+     * no better. */
+    const double of_logarithms = 1e-10; /* as saltus_multipliers_stable takes it */
+    double nearest = INFINITY, error = of_logarithms + motion->periods * flow->rtol;
+    for (int k = 0; k < multipliers; k++)
+        nearest = fmin(nearest, hypot(1 - motion->multipliers[k].re, motion->multipliers[k].im));
+    error += fmin(motion->residual / nearest, sqrt(motion->residual));
+    if (motion->trivial_multiplier)
+        error = fmax(error, fabs(log(fabs(motion->trivial_multiplier))));
     bool along = motion->trivial_multiplier != 0; /* the zero is yet to come */
     for (int k = 0, m = 0; k < l->count; k++) {
         const bool zero = along && (m == multipliers || !(motion->multipliers[m].log_modulus > 0));
         const double logarithm = zero ? 0 : motion->multipliers[m++].log_modulus;
         along = along && !zero;
         l->exponents[k] = logarithm / l->time;
-        l->standard_errors[k] = isnan(logarithm)      ? NAN
-                                : isfinite(logarithm) ? accuracy_of(motion, flow) / l->time
-                                                      : 0;
+        l->standard_errors[k] = isnan(logarithm) ? NAN : isfinite(logarithm) ? error / l->time : 0;
     }
     for (int m = 0; m < multipliers; m++)
         l->lost += motion->multipliers[m].log_modulus == -INFINITY;

@@ -95,11 +95,11 @@ typedef struct saltus_track {
 } saltus_track;
 
 /* Look for a stable orbit of up to 64 periods by Newton's method from the closest returns along the tracks,
- * shortest periods first; without forcing only along the first track. If one is *found, `motion` describes
- * it and is to be cleared. Errors: SALTUS_NO_MEMORY. */
+ * shortest periods first; without forcing only along the first track. `motion`, to be cleared, describes it;
+ * its verdict stays SALTUS_PENDING if there is none. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltus_flow_options *flow,
                                         const saltus_track *tracks, int track_count, saltus_motion *motion,
-                                        bool *found, saltus_message *message);
+                                        saltus_message *message);
 
 /* section_points.c: returns of an unforced motion to its section, and stable orbits among them */
 /* The returns of a trajectory within `periods` of the system's periods from a state: up to `room` section
@@ -112,10 +112,10 @@ saltus_status saltus_motion_section_points(const saltus_system *system, const sa
  * unknown period from the closest returns of the track, shortest first. An orbit counts only if it passes
  * the starting point within three times the distance of the return. */
 saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltus_flow_options *flow,
-                                        const saltus_track *track, saltus_motion *motion, bool *found,
+                                        const saltus_track *track, saltus_motion *motion,
                                         saltus_message *message);
 
-/* cycle.c: saltus_motion_cycle from a state that closes after about `periods` of the system's periods. */
+/* saltus_motion_cycle from a state that closes after about `periods` of the system's periods. */
 saltus_status saltus_motion_cycle_after(const saltus_system *system, double periods, const double *guess,
                                         const saltus_classify_options *options, saltus_motion *motion,
                                         saltus_message *message);

@@ -40,8 +40,9 @@ static saltus_status advance_period(saltus_search *s, saltus_message *message) {
         if (!watch)
             continue;
         saltus_flow_state(s->flow, 0, state);
-        saltus_visits_take(&s->visits, s->flow, 0, &event, state, saltus_flow_information(s->flow, 0));
-        while (saltus_visits_next(&s->visits, s->flow, 0, state))
+        const saltus_flow_info done = saltus_flow_information(s->flow, 0);
+        saltus_crossings_take(&s->visits.returns, s->flow, 0, &event, state);
+        while (saltus_visits_next(&s->visits, s->flow, 0, done, state))
             ;
     }
     saltus_flow_state(s->flow, 0, state);
@@ -51,12 +52,21 @@ static saltus_status advance_period(saltus_search *s, saltus_message *message) {
                                 message);
 }
 
-/* Whether forces balance at a state without its velocities. Along a slow manifold they do not, however slowly
- * strong damping lets the motion creep. A fast mode magnifies rounding in accelerations. */
-static bool is_balanced(const saltus_search *s) {
+/* Whether an unforced system is at rest: neither events nor motion over the last periods, no drift of a
+ * displacement, and, clear of stops, forces that balance without the velocities. Along a slow manifold they
+ * do not, however slowly strong damping lets the motion creep. A fast mode magnifies rounding in
+ * accelerations. */
+static bool is_resting(const saltus_search *s) {
+    if (saltus_system_forced(s->system) || !saltus_settling_rests(&s->settling))
+        return false;
     const int dof = saltus_system_dof(s->system);
     const double *scale = saltus_system_scale(s->system), period = saltus_system_period(s->system);
-    double state[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX];
+    double drift = 0, state[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX];
+    saltus_flow_field(s->flow, 0, field);
+    for (int i = 0; i < dof; i++)
+        drift = fmax(drift, fabs(field[i]) / scale[i] * period);
+    if (!(drift < drift_at_rest) || saltus_flow_contacts(s->flow, 0))
+        return drift < drift_at_rest;
     saltus_flow_state(s->flow, 0, state);
     memset(state + dof, 0, (size_t)dof * sizeof *state);
     if (saltus_flow_start(s->beside, 0, (saltus_time){0, 0}, state, NULL) != SALTUS_OK)
@@ -68,19 +78,6 @@ static bool is_balanced(const saltus_search *s) {
             return false;
     }
     return true;
-}
-
-/* Whether an unforced system is at rest: neither events nor motion over the last periods, no drift of a
- * displacement, and, clear of stops, balanced forces. */
-static bool is_resting(const saltus_search *s) {
-    if (saltus_system_forced(s->system) || !saltus_settling_rests(&s->settling))
-        return false;
-    const double *scale = saltus_system_scale(s->system);
-    double drift = 0, field[SALTUS_STATE_MAX];
-    saltus_flow_field(s->flow, 0, field);
-    for (int i = 0; i < saltus_system_dof(s->system); i++)
-        drift = fmax(drift, fabs(field[i]) / scale[i] * saltus_system_period(s->system));
-    return drift < drift_at_rest && (saltus_flow_contacts(s->flow, 0) || is_balanced(s));
 }
 
 /* How much coarser than usual rounding is in the system's scales, if a motion is far larger than these: with
@@ -103,33 +100,6 @@ static double distance_from_orbit(const saltus_search *s) {
         least = fmin(least, saltus_system_distance(s->system, saltus_settling_point(&s->visits.settling, 0),
                                                    s->lap.points + (size_t)(k * s->orbit.dimension)));
     return least;
-}
-
-/* Confirm that the trajectory keeps closing in on the orbit: its distance falls to a fifth or below `near`,
- * or, with a multiplier close to the unit circle, by at least half of what that multiplier predicts. */
-static saltus_status confirm(saltus_search *s, saltus_message *message) {
-    enum { cycles_max = 60, patient_cycles = 40 };
-    const saltus_orbit *orbit = &s->orbit;
-    const double start = distance_from_orbit(s),
-                 near = fmax(1e-9, 1e4 * s->options->flow.rtol) * coarseness(s);
-    /* About one period of the orbit, in the trajectory's periods. */
-    int periods = s->clocked ? (int)ceil(saltus_system_period(s->clocked) / saltus_system_period(s->system))
-                             : orbit->periods;
-    s->found = false;
-    for (int c = 0; c < cycles_max && !s->found; c++) {
-        for (int k = 0; k < periods; k++) {
-            saltus_status status = advance_period(s, message);
-            if (status != SALTUS_OK)
-                return status;
-        }
-        double now = distance_from_orbit(s);
-        double predicted = exp((c + 1) * orbit->multipliers[0].log_modulus);
-        s->found = now < near || (c > 2 && now < 0.2 * start) ||
-                   (c >= patient_cycles && now <= start * (1 - 0.5 * (1 - predicted)));
-        if (now > 10 * start + near)
-            break;
-    }
-    return SALTUS_OK;
 }
 
 saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_motion *motion,
@@ -176,18 +146,37 @@ static int period_to_try(saltus_settling *settling) {
 }
 
 /* Take or drop the orbit that Newton's method found from the trajectory's last point, which recurred within
- * `recurrence`. The orbit must be stable, near the trajectory, and approached by it; an orbit of a continuum
- * only has to be the one that the trajectory is on. */
+ * `recurrence`. The orbit must be stable, near the trajectory, and approached by it: the distance falls to a
+ * fifth or below `near`, or, with a multiplier close to the unit circle, by at least half of what that
+ * multiplier predicts. An orbit of a continuum only has to be the one that the trajectory is on. */
 static saltus_status take_orbit(saltus_search *s, saltus_status polished, double recurrence,
                                 saltus_message *message) {
+    enum { cycles_max = 60, patient_cycles = 40 };
+    const saltus_orbit *orbit = &s->orbit;
     const bool continuum = s->clocked && saltus_system_conservative(s->system);
     saltus_status status = polished == SALTUS_NO_MEMORY ? polished : SALTUS_OK;
-    if (polished == SALTUS_OK && continuum)
-        s->found = distance_from_orbit(s) <= on_orbit;
-    else if (polished == SALTUS_OK &&
-             saltus_multipliers_stable(s->orbit.multipliers, s->orbit.multiplier_count) &&
-             distance_from_orbit(s) <= fmax(nearby, 30 * recurrence))
-        status = confirm(s, message);
+    const double start = polished == SALTUS_OK ? distance_from_orbit(s) : INFINITY,
+                 near = fmax(1e-9, 1e4 * s->options->flow.rtol) * coarseness(s);
+    const bool candidate = polished == SALTUS_OK && !continuum &&
+                           saltus_multipliers_stable(orbit->multipliers, orbit->multiplier_count) &&
+                           start <= fmax(nearby, 30 * recurrence);
+    /* About one period of the orbit, in the trajectory's periods. */
+    const int periods = s->clocked
+                            ? (int)ceil(saltus_system_period(s->clocked) / saltus_system_period(s->system))
+                            : orbit->periods;
+    s->found = continuum && start <= on_orbit;
+    for (int c = 0; c < cycles_max && candidate && !s->found; c++) {
+        for (int k = 0; k < periods && status == SALTUS_OK; k++)
+            status = advance_period(s, message);
+        if (status != SALTUS_OK)
+            break;
+        const double now = distance_from_orbit(s),
+                     predicted = exp((c + 1) * orbit->multipliers[0].log_modulus);
+        s->found = now < near || (c > 2 && now < 0.2 * start) ||
+                   (c >= patient_cycles && now <= start * (1 - 0.5 * (1 - predicted)));
+        if (now > 10 * start + near)
+            break;
+    }
     if (s->found)
         return status;
     saltus_flow_free(s->around);
@@ -267,19 +256,11 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
     return take_orbit(s, status, recurrence, message);
 }
 
-/* Without forcing: whether the trajectory approaches a stable rest, however slowly. */
-static saltus_status try_rest(saltus_search *s, bool *at_rest, saltus_message *message) {
-    double place[SALTUS_STATE_MAX], time = (double)s->settling.count * saltus_system_period(s->system);
-    if (saltus_flow_contacts(s->flow, 0) || saltus_settling_recurrence(&s->settling, 1) > nearby)
-        return SALTUS_OK;
-    return saltus_rest_is_approached(s->system, saltus_settling_point(&s->settling, 0), time, &s->beside_rest,
-                                     place, at_rest, message);
-}
-
 saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_motion *motion,
                                 saltus_message *message) {
     const saltus_classify_options *o = s->options;
     long long block = SALTUS_FIRST_BLOCK;
+    double place[SALTUS_STATE_MAX];
     saltus_status status = SALTUS_OK;
     while (status == SALTUS_OK && !s->found && !s->stopped && s->settling.count < at_most) {
         long long until = s->settling.count + block < at_most ? s->settling.count + block : at_most;
@@ -297,8 +278,12 @@ saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_moti
         }
         bool forced = saltus_system_forced(s->system), at_rest = false;
         status = forced ? try_period(s, message) : try_cycle(s, message);
-        if (status == SALTUS_OK && !s->found && !forced)
-            status = try_rest(s, &at_rest, message);
+        /* Without forcing the trajectory may approach a stable rest, however slowly. */
+        if (status == SALTUS_OK && !s->found && !forced && !saltus_flow_contacts(s->flow, 0) &&
+            saltus_settling_recurrence(&s->settling, 1) <= nearby)
+            status = saltus_rest_is_approached(s->system, saltus_settling_point(&s->settling, 0),
+                                               (double)s->settling.count * saltus_system_period(s->system),
+                                               &s->beside_rest, place, &at_rest, message);
         if (at_rest) {
             motion->verdict = SALTUS_EQUILIBRIUM;
             break;

@@ -61,28 +61,28 @@ static saltus_status close_returns(const saltus_system *system, const double *po
 }
 
 saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltus_flow_options *flow,
-                                        const saltus_track *track, saltus_motion *motion, bool *found,
+                                        const saltus_track *track, saltus_motion *motion,
                                         saltus_message *message) {
     const double *times = track->numbers;
     saltus_classify_options options = saltus_classify_defaults();
     saltus_returns *returns = NULL;
     saltus_return closest;
+    bool found = false;
     options.flow = *flow;
-    *found = false;
     *motion = (saltus_motion){0};
     saltus_status status =
         close_returns(system, track->points, track->count, 1, longest, tries, &returns, message);
-    for (int p = 1; p <= longest && status == SALTUS_OK && !*found; p++)
-        while (status == SALTUS_OK && !*found && saltus_returns_next(returns, p, &closest)) {
+    for (int p = 1; p <= longest && status == SALTUS_OK && !found; p++)
+        while (status == SALTUS_OK && !found && saltus_returns_next(returns, p, &closest)) {
             saltus_status own =
                 saltus_motion_cycle_after(system, times[closest.place + p] - times[closest.place],
                                           closest.state, &options, motion, NULL);
             if (own == SALTUS_NO_MEMORY)
                 status = saltus_fail(message, own, "no memory for an orbit");
-            *found = own == SALTUS_OK && motion->stable &&
-                     saltus_orbit_passes(system, motion->section_states, motion->periods, closest.state,
-                                         beside * closest.distance);
-            if (!*found)
+            found = own == SALTUS_OK && motion->stable &&
+                    saltus_orbit_passes(system, motion->section_states, motion->periods, closest.state,
+                                        beside * closest.distance);
+            if (!found)
                 saltus_motion_clear(motion);
         }
     saltus_returns_free(returns);

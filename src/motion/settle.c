@@ -129,43 +129,10 @@ static double recurred(const saltus_settling *s, const double *now, const double
     return (now[i] - before[i]) * s->weight[i];
 }
 
-/* Largest entries of the recurrences of the last cycle (0) and of the two before it (1, 2). */
-static void compare_cycles(const saltus_settling *s, int p, double largest[3]) {
-    largest[0] = largest[1] = largest[2] = 0;
-    for (int k = 0; k < p; k++) {
-        const double *x0 = saltus_settling_point(s, k), *x1 = saltus_settling_point(s, k + p),
-                     *x2 = saltus_settling_point(s, k + 2 * p), *x3 = saltus_settling_point(s, k + 3 * p);
-        for (int i = 0; i < s->n; i++) {
-            largest[0] = larger(largest[0], fabs(recurred(s, x0, x1, i)));
-            largest[1] = larger(largest[1], fabs(recurred(s, x1, x2, i)));
-            largest[2] = larger(largest[2], fabs(recurred(s, x2, x3, i)));
-        }
-    }
-}
-
-/* Scalar products of the same recurrences. */
+/* Scalar products of the recurrences of the last cycle (0) and of the two before it (1, 2). */
 typedef struct products {
     double p00, p01, p02, p11, p12, p22;
 } products;
-
-static products multiply_cycles(const saltus_settling *s, int p) {
-    products r = {0};
-    for (int k = 0; k < p; k++) {
-        const double *x0 = saltus_settling_point(s, k), *x1 = saltus_settling_point(s, k + p),
-                     *x2 = saltus_settling_point(s, k + 2 * p), *x3 = saltus_settling_point(s, k + 3 * p);
-        for (int i = 0; i < s->n; i++) {
-            const double r0 = recurred(s, x0, x1, i), r1 = recurred(s, x1, x2, i),
-                         r2 = recurred(s, x2, x3, i);
-            r.p00 += r0 * r0;
-            r.p01 += r0 * r1;
-            r.p02 += r0 * r2;
-            r.p11 += r1 * r1;
-            r.p12 += r1 * r2;
-            r.p22 += r2 * r2;
-        }
-    }
-    return r;
-}
 
 /* Remaining distance if the recurrences spiral: fit each as a times the previous one plus b times the one
  * before that, and sum those to come. 0 if they turn too little to determine a and b, or if the fit does not
@@ -192,9 +159,17 @@ static double spiral_left(const saltus_settling *s, int p, const products *r) {
 /* Estimated distance to the orbit of period p; INFINITY if `shrinking` is required and the recurrences do not
  * shrink, or if it is surely above `limit`. */
 static double distance_left(const saltus_settling *s, int p, bool shrinking, double limit) {
-    double largest[3];
-    compare_cycles(s, p, largest);
-    const double now = largest[0], before = largest[1], first = largest[2];
+    /* Largest entries of the recurrences of the last cycle and of the two before it. */
+    double now = 0, before = 0, first = 0;
+    for (int k = 0; k < p; k++) {
+        const double *x0 = saltus_settling_point(s, k), *x1 = saltus_settling_point(s, k + p),
+                     *x2 = saltus_settling_point(s, k + 2 * p), *x3 = saltus_settling_point(s, k + 3 * p);
+        for (int i = 0; i < s->n; i++) {
+            now = larger(now, fabs(recurred(s, x0, x1, i)));
+            before = larger(before, fabs(recurred(s, x1, x2, i)));
+            first = larger(first, fabs(recurred(s, x2, x3, i)));
+        }
+    }
     if (now <= rounding)
         return now;
     double ratio = now / before;
@@ -206,7 +181,21 @@ static double distance_left(const saltus_settling *s, int p, bool shrinking, dou
     /* Twice: for rounding. */
     if (reached > 2 * limit * (1 + ratio))
         return INFINITY;
-    const products r = multiply_cycles(s, p);
+    products r = {0};
+    for (int k = 0; k < p; k++) {
+        const double *x0 = saltus_settling_point(s, k), *x1 = saltus_settling_point(s, k + p),
+                     *x2 = saltus_settling_point(s, k + 2 * p), *x3 = saltus_settling_point(s, k + 3 * p);
+        for (int i = 0; i < s->n; i++) {
+            const double r0 = recurred(s, x0, x1, i), r1 = recurred(s, x1, x2, i),
+                         r2 = recurred(s, x2, x3, i);
+            r.p00 += r0 * r0;
+            r.p01 += r0 * r1;
+            r.p02 += r0 * r2;
+            r.p11 += r1 * r1;
+            r.p12 += r1 * r2;
+            r.p22 += r2 * r2;
+        }
+    }
     double cosine = r.p00 > 0 && r.p11 > 0 ? r.p01 / sqrt(r.p00) / sqrt(r.p11) : 1,
            across = 1 - 2 * ratio * cosine + ratio * ratio;
     return fmax(reached / sqrt(fmax(across, 1e-30)), spiral_left(s, p, &r));
@@ -231,25 +220,19 @@ static bool reached(const saltus_settling *s, int p, double limit) {
            distance_left(s, p, true, limit) <= limit;
 }
 
-/* Proper divisors of a period: +1 none of them recurs, 0 one of them is near its orbit too, -1 doubt. */
-static int parts_say(const saltus_settling *s, int p, double limit) {
-    int verdict = 1;
-    for (int part = 1; part <= p / 2; part++)
-        if (p % part == 0 && recurrence_over(s, part, p, recurrence) < recurrence) {
-            if (distance_left(s, part, false, slower * limit) > slower * limit)
-                return -1;
-            verdict = 0;
-        }
-    return verdict;
-}
-
 int saltus_settling_period(saltus_settling *s, double limit, bool *doubt) {
     *doubt = false;
     look(s);
     for (int p = 1; p <= s->longest; p++) {
-        int parts = reached(s, p, limit) ? parts_say(s, p, limit) : 0;
-        *doubt = parts < 0;
-        if (parts)
+        bool shorter = false; /* the orbit of a proper divisor is near too */
+        if (!reached(s, p, limit))
+            continue;
+        for (int part = 1; part <= p / 2 && !*doubt; part++)
+            if (p % part == 0 && recurrence_over(s, part, p, recurrence) < recurrence) {
+                shorter = true;
+                *doubt = distance_left(s, part, false, slower * limit) > slower * limit;
+            }
+        if (*doubt || !shorter)
             return p;
     }
     return 0;

@@ -113,16 +113,6 @@ void saltus_spectra_clear(saltus_spectra *spectra) {
     *spectra = (saltus_spectra){0};
 }
 
-/* The k-th quantity that the text observes. Its size is not known: at a state of the usual size. */
-static void take_observed(const sampler *s, const saltus_system *system, int k, observable *quantity) {
-    if (system->spec.model->observable_row(system, k, quantity->weight))
-        return;
-    memset(quantity->weight, 0, sizeof quantity->weight);
-    saltus_system_observe(system, saltus_system_scale(system), 0, s->observed);
-    quantity->text = k;
-    quantity->scale = isfinite(s->observed[k]) ? fabs(s->observed[k]) : 0;
-}
-
 static saltus_status open_sampler(sampler *s, const saltus_system *system,
                                   const saltus_spectrum_options *options, saltus_message *message) {
     const double *scale = saltus_system_scale(system), *observer = saltus_system_observer(system);
@@ -139,9 +129,16 @@ static saltus_status open_sampler(sampler *s, const saltus_system *system,
         quantity->text = -1;
         if (quantity->entry >= 0)
             quantity->scale = scale[quantity->entry];
-        else if (wanted->coordinate < 0)
-            take_observed(s, system, -1 - wanted->coordinate, quantity);
-        else if (wanted->coordinate > 0)
+        else if (wanted->coordinate < 0) {
+            const int observed = -1 - wanted->coordinate;
+            if (!system->spec.model->observable_row(system, observed, quantity->weight)) {
+                /* No sum of positions. Its size is not known: at a state of the usual size. */
+                memset(quantity->weight, 0, sizeof quantity->weight);
+                saltus_system_observe(system, scale, 0, s->observed);
+                quantity->text = observed;
+                quantity->scale = isfinite(s->observed[observed]) ? fabs(s->observed[observed]) : 0;
+            }
+        } else if (wanted->coordinate > 0)
             quantity->weight[wanted->coordinate - 1] = 1;
         else
             memcpy(quantity->weight, observer, (size_t)dof * sizeof *observer);
@@ -152,14 +149,6 @@ static saltus_status open_sampler(sampler *s, const saltus_system *system,
     saltus_status status = s->table ? saltus_flow_single(system, 0, &options->flow, &s->flow, message)
                                     : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
     return status == SALTUS_OK ? saltus_flow_single(system, 0, &options->flow, &s->probe, message) : status;
-}
-
-static void close_sampler(sampler *s) {
-    free(s->observed);
-    saltus_flow_free(s->flow);
-    saltus_flow_free(s->probe);
-    if (s->table)
-        gsl_integration_glfixed_table_free(s->table);
 }
 
 static void clear_recording(recording *r) {
@@ -248,55 +237,48 @@ static saltus_status take_corner(const sampler *s, recording *r, unsigned contac
     return SALTUS_OK;
 }
 
-/* Take samples `next` to `end` - 1, starting the flow from a state at phase 0. */
-static saltus_status sample_stretch(const sampler *s, recording *r, const double *state, long long next,
-                                    long long end, saltus_message *message) {
-    enum { watch = SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT };
-    const saltus_time start = {next / r->per_period, 0}, until = {end / r->per_period, 0};
-    saltus_event event = {.kind = SALTUS_STEP};
-    double now[SALTUS_STATE_MAX];
-    saltus_status status = saltus_flow_start(s->flow, 0, start, state, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_flow_state(s->flow, 0, now);
-    for (int k = 0; k < s->quantities && next == 0; k++)
-        r->begin[k] = quantity_of(s, k, 0, now);
-    take_sample(s, r, next++, now);
-    long long steps = saltus_flow_information(s->flow, 0).steps;
-    while (event.kind != SALTUS_REACHED) {
-        const unsigned contacts = saltus_flow_contacts(s->flow, 0);
-        status = saltus_flow_advance(s->flow, until, watch, &event, message);
-        if (status != SALTUS_OK)
-            return status;
-        const long long made = saltus_flow_information(s->flow, 0).steps;
-        if (made != steps)
-            integrate(s, r);
-        steps = made;
-        for (; next < end; next++) {
-            const saltus_time time = {next / r->per_period, (double)(next % r->per_period) / r->per_period};
-            if (saltus_flow_state_at(s->flow, 0, time, now) > 0)
-                break;
-            take_sample(s, r, next, now);
-        }
-        if (1u << event.kind & SALTUS_WATCH_CONTACT)
-            status = take_corner(s, r, contacts, message);
-        if (status != SALTUS_OK)
-            return status;
-    }
-    return SALTUS_OK;
-}
-
-/* Sample `periods` forcing periods, starting anew from the same state for each `stretch` of them. The
- * recording is to be cleared. */
+/* Sample `periods` forcing periods, starting anew from the same state, at phase 0, for each `stretch` of
+ * them. The recording is to be cleared. */
 static saltus_status sample(const sampler *s, const double *state, long long periods, long long stretch,
                             int per_period, recording *r, saltus_message *message) {
+    enum { watch = SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT };
     *r = (recording){.per_period = per_period, .count = periods * per_period};
     r->samples = calloc(2 * (size_t)s->quantities * (size_t)r->count, sizeof *r->samples);
     if (!r->samples)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %lld samples", r->count);
     saltus_status status = SALTUS_OK;
-    for (long long done = 0; status == SALTUS_OK && done + stretch <= periods; done += stretch)
-        status = sample_stretch(s, r, state, done * per_period, (done + stretch) * per_period, message);
+    for (long long done = 0; status == SALTUS_OK && done + stretch <= periods; done += stretch) {
+        const long long end = (done + stretch) * per_period;
+        long long next = done * per_period;
+        saltus_event event = {.kind = SALTUS_STEP};
+        double now[SALTUS_STATE_MAX];
+        status = saltus_flow_start(s->flow, 0, (saltus_time){done, 0}, state, message);
+        if (status != SALTUS_OK)
+            break;
+        saltus_flow_state(s->flow, 0, now);
+        for (int k = 0; k < s->quantities && next == 0; k++)
+            r->begin[k] = quantity_of(s, k, 0, now);
+        take_sample(s, r, next++, now);
+        long long steps = saltus_flow_information(s->flow, 0).steps;
+        while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
+            const unsigned contacts = saltus_flow_contacts(s->flow, 0);
+            status = saltus_flow_advance(s->flow, (saltus_time){done + stretch, 0}, watch, &event, message);
+            if (status != SALTUS_OK)
+                break;
+            const long long made = saltus_flow_information(s->flow, 0).steps;
+            if (made != steps)
+                integrate(s, r);
+            steps = made;
+            for (; next < end; next++) {
+                const saltus_time time = {next / per_period, (double)(next % per_period) / per_period};
+                if (saltus_flow_state_at(s->flow, 0, time, now) > 0)
+                    break;
+                take_sample(s, r, next, now);
+            }
+            if (1u << event.kind & SALTUS_WATCH_CONTACT)
+                status = take_corner(s, r, contacts, message);
+        }
+    }
     return status;
 }
 
@@ -310,19 +292,6 @@ static saltus_signal signal_of(const sampler *s, const recording *r, int k, bool
                            .count = r->count,
                            .per_period = r->per_period,
                            .rounding = s->quantity[k].scale * (resting ? rest_rounding : rounding)};
-}
-
-/* The frequency up to which a quantity's spectrum is trustworthy with only `per_period` samples; INFINITY if
- * the quantity is constant. `samples` is scratch. */
-static saltus_status trust(saltus_signal signal, double *samples, int per_period, int orbit, double *upto,
-                           saltus_message *message) {
-    saltus_spectrum spectrum = {0};
-    saltus_signal thinned = saltus_signal_thinned(&signal, signal.per_period / per_period, samples);
-    saltus_status status = orbit ? saltus_signal_orbits(&thinned, orbit, &spectrum, message)
-                                 : saltus_signal_density(&thinned, pilot_segment, 0.95, &spectrum, message);
-    *upto = spectrum.kind == SALTUS_SPECTRUM_CONSTANT ? INFINITY : spectrum.trustworthy;
-    saltus_spectrum_clear(&spectrum);
-    return status;
 }
 
 /* Choose the smallest number of samples per period with spectra that are trustworthy up to the wanted
@@ -343,10 +312,15 @@ static saltus_status choose_samples(const sampler *s, const double *state, int o
     if (status == SALTUS_OK && !thinned)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
     for (int k = 0; k < s->quantities && status == SALTUS_OK; k++)
-        for (double upto = 0; status == SALTUS_OK; *per_period *= 2) {
-            status =
-                trust(signal_of(s, &pilot, k, options->resting), thinned, *per_period, orbit, &upto, message);
-            if (status != SALTUS_OK || upto >= reach || *per_period == most)
+        for (;; *per_period *= 2) {
+            const saltus_signal dense = signal_of(s, &pilot, k, options->resting),
+                                thin = saltus_signal_thinned(&dense, most / *per_period, thinned);
+            saltus_spectrum spectrum = {0};
+            status = orbit ? saltus_signal_orbits(&thin, orbit, &spectrum, message)
+                           : saltus_signal_density(&thin, pilot_segment, 0.95, &spectrum, message);
+            const bool trusted = spectrum.kind == SALTUS_SPECTRUM_CONSTANT || spectrum.trustworthy >= reach;
+            saltus_spectrum_clear(&spectrum);
+            if (status != SALTUS_OK || trusted || *per_period == most)
                 break;
         }
     free(thinned);
@@ -433,7 +407,11 @@ saltus_status saltus_spectra_run(const saltus_system *system, const double *stat
                          : saltus_signal_orbits(&signal, periods, spectrum, message);
     }
     clear_recording(&record);
-    close_sampler(&with);
+    free(with.observed);
+    saltus_flow_free(with.flow);
+    saltus_flow_free(with.probe);
+    if (with.table)
+        gsl_integration_glfixed_table_free(with.table);
     if (status != SALTUS_OK) {
         saltus_spectra_clear(spectra);
         return status;

@@ -11,6 +11,7 @@
  * Short periods come first; where steps and tangent vectors are many, the search ends before the longest.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 
+#include "base/dense.h"
 #include "flow/effort.h"
 #include "motion/motion.h"
 #include "orbit/fixed_point.h"
@@ -60,7 +61,6 @@ typedef struct search {
     double *tried;      /* ring buffer of points of orbits that have been tried, and their periods */
     int tried_periods[remembered];
     long long tried_count;
-    double before;        /* steps of the question before the search */
     long long tries, led; /* returns that Newton's method began with, and that led it to an orbit */
 } search;
 
@@ -77,37 +77,6 @@ static bool was_tried(const search *s, int p, const double *state, double distan
             saltus_system_distance_within(s->system, state, s->tried + k * s->n, distance) < distance)
             return true;
     return false;
-}
-
-/* Remember the points of an orbit. */
-static void remember(search *s, int p, const double *on_orbit) {
-    double state[SALTUS_STATE_MAX];
-    memcpy(state, on_orbit, (size_t)s->n * sizeof *state);
-    for (int k = 0; k < p; k++) {
-        long long place = s->tried_count++ % remembered;
-        memcpy(s->tried + place * s->n, state, (size_t)s->n * sizeof *state);
-        s->tried_periods[place] = p;
-        if (!advance(s, 1, state))
-            return;
-    }
-}
-
-/* The direction in which the map's derivative grows most, in the system's scales, with largest entry 1. */
-static void unstable_direction(const search *s, const saltus_fixed_point *f, double *direction) {
-    double image[SALTUS_STATE_MAX];
-    for (int i = 0; i < s->n; i++)
-        direction[i] = 1;
-    for (int turn = 0; turn < turns; turn++) {
-        double length = 0;
-        for (int i = 0; i < s->n; i++) {
-            image[i] = 0;
-            for (int j = 0; j < s->n; j++)
-                image[i] += f->derivative[i * s->n + j] * direction[j];
-            length = fmax(length, fabs(image[i]));
-        }
-        for (int i = 0; i < s->n && length > 0; i++)
-            direction[i] = image[i] / length;
-    }
 }
 
 /* Follow a trajectory from beside an unstable orbit, displaced by `step` along a direction. Returns the
@@ -166,19 +135,14 @@ static double spacing_at(const search *s, const double *point) {
     return nearest_ones[used - 1];
 }
 
-/* Whether a state at a distance from the orbit comes to a tenth of it, in the time in which the orbit's
- * largest multiplier shrinks it twentyfold and 20 cycles more, within a limit. */
-static bool captured(const search *s, const saltus_motion *orbit, const double *from, double distance) {
-    double cycles = log(0.05) / fmin(orbit->multipliers[0].log_modulus, -1e-3), end[SALTUS_STATE_MAX];
-    int wait = orbit->periods * (20 + (int)cycles), limit = wait_cycles * orbit->periods;
-    limit = limit > wait_most ? limit : wait_most;
-    memcpy(end, from, (size_t)s->n * sizeof *end);
-    return advance(s, wait < limit ? wait : limit, end) &&
-           saltus_orbit_passes(s->system, orbit->section_states, orbit->periods, end, 0.1 * distance);
-}
-
-/* Whether the orbit's basin reaches near the points: bisect the line from the orbit to the nearest point. */
+/* Whether the orbit's basin reaches near the points: bisect the line from the orbit to the nearest point. A
+ * state at a distance from the orbit is in the basin if it comes to a tenth of it, in the time in which the
+ * orbit's largest multiplier shrinks it twentyfold and 20 cycles more, within a limit. */
 static bool lies_amid(const search *s, const saltus_motion *orbit) {
+    const double cycles = log(0.05) / fmin(orbit->multipliers[0].log_modulus, -1e-3);
+    const int patient = wait_cycles * orbit->periods,
+              most_periods = patient > wait_most ? patient : wait_most,
+              periods = orbit->periods * (20 + (int)cycles);
     double least = INFINITY, low = 0, high = 1, state[SALTUS_STATE_MAX];
     const double *from = NULL, *to = NULL;
     for (int k = 0; k < orbit->periods; k++) {
@@ -188,22 +152,24 @@ static bool lies_amid(const search *s, const saltus_motion *orbit) {
         to = there ? there : to;
     }
     for (int k = 0; k < bisections; k++) {
-        double middle = 0.5 * (low + high);
+        const double middle = 0.5 * (low + high);
         for (int i = 0; i < s->n; i++)
             state[i] = from[i] + middle * (to[i] - from[i]);
-        *(captured(s, orbit, state, middle * least) ? &low : &high) = middle;
+        const bool captured = advance(s, periods < most_periods ? periods : most_periods, state) &&
+                              saltus_orbit_passes(s->system, orbit->section_states, orbit->periods, state,
+                                                  0.1 * middle * least);
+        *(captured ? &low : &high) = middle;
     }
     return (1 - low) * least < spacings * spacing_at(s, to);
 }
 
 /* Newton's method from a return: find a stable orbit, or an unstable one with a stable one beside it. */
-static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const double *point,
-                                saltus_motion *motion, bool *found, saltus_message *message) {
+static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const double *from,
+                                saltus_motion *motion, saltus_message *message) {
     saltus_classify_options options = saltus_classify_defaults();
-    double state[SALTUS_STATE_MAX], direction[SALTUS_STATE_MAX];
+    double state[SALTUS_STATE_MAX], direction[SALTUS_STATE_MAX], image[SALTUS_STATE_MAX];
     options.flow = *s->flow;
-    *found = false;
-    const bool led = saltus_fixed_point_find(f, point, steps, s->extent);
+    const bool led = saltus_fixed_point_find(f, from, steps, s->extent);
     s->tries++;
     s->led += led;
     if (!led || was_tried(s, p, f->state, same_orbit))
@@ -211,61 +177,53 @@ static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const d
     int periods = p;
     memcpy(state, f->state, (size_t)s->n * sizeof *state);
     if (saltus_fixed_point_multiplier(f) >= 0) {
-        unstable_direction(s, f, direction);
+        /* The direction in which the map's derivative grows most, in scales, with largest entry 1. */
+        for (int i = 0; i < s->n; i++)
+            direction[i] = 1;
+        for (int turn = 0; turn < turns; turn++) {
+            double length = 0;
+            for (int i = 0; i < s->n; i++) {
+                image[i] = saltus_dot(f->derivative + i * s->n, direction, s->n);
+                length = fmax(length, fabs(image[i]));
+            }
+            for (int i = 0; i < s->n && length > 0; i++)
+                direction[i] = image[i] / length;
+        }
         periods = follow_away(s, f, p, direction, step_aside, state);
         if (!periods)
             periods = follow_away(s, f, p, direction, -step_aside, state);
     }
-    remember(s, p, f->state);
+    /* Remember the points of the orbit. */
+    double point[SALTUS_STATE_MAX];
+    memcpy(point, f->state, (size_t)s->n * sizeof *point);
+    for (int k = 0; k < p; k++) {
+        const long long place = s->tried_count++ % remembered;
+        memcpy(s->tried + place * s->n, point, (size_t)s->n * sizeof *point);
+        s->tried_periods[place] = p;
+        if (!advance(s, 1, point))
+            break;
+    }
     if (!periods)
         return SALTUS_OK;
     saltus_status status =
         saltus_motion_polish(s->system, periods, state, INFINITY, &options, motion, message);
-    *found = saltus_verdict_settled(motion->verdict) && lies_amid(s, motion);
-    if (!*found)
+    if (saltus_verdict_settled(motion->verdict) && !lies_amid(s, motion))
         saltus_motion_clear(motion);
-    return status;
-}
-
-static bool is_hopeless(const search *s) {
-    const double taken = s->flow->effort ? s->flow->effort->total - s->before : 0;
-    const int enough = taken > dear_steps ? dear_tries : least_tries;
-    return taken > most_steps || (s->tries >= enough && s->led * hopeless < s->tries);
-}
-
-static saltus_status try_period(search *s, saltus_returns *returns, int p, saltus_motion *motion, bool *found,
-                                saltus_message *message) {
-    int tries = most / p > fewest ? most / p : fewest;
-    saltus_fixed_point f = {0};
-    saltus_return closest;
-    saltus_status status = SALTUS_OK;
-    while (status == SALTUS_OK && tries > 0 && !*found && !is_hopeless(s) &&
-           saltus_returns_next(returns, p, &closest)) {
-        if (was_tried(s, p, closest.state, 2 * closest.distance))
-            continue;
-        if (!f.map)
-            status = saltus_fixed_point_open(&f, s->system, p, s->flow, message);
-        if (status == SALTUS_OK)
-            status = try_return(s, &f, p, closest.state, motion, found, message);
-        tries--;
-    }
-    saltus_fixed_point_close(&f);
     return status;
 }
 
 saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltus_flow_options *flow,
                                         const saltus_track *tracks, int track_count, saltus_motion *motion,
-                                        bool *found, saltus_message *message) {
+                                        saltus_message *message) {
     search s = {.system = system,
                 .flow = flow,
                 .tracks = tracks,
                 .track_count = track_count,
-                .n = saltus_system_dimension(system),
-                .before = flow->effort ? flow->effort->total : 0};
+                .n = saltus_system_dimension(system)};
+    const double before = flow->effort ? flow->effort->total : 0; /* steps of the question so far */
     if (!saltus_system_forced(system))
-        return saltus_stable_cycle_among(system, flow, tracks, motion, found, message);
+        return saltus_stable_cycle_among(system, flow, tracks, motion, message);
     saltus_returns *returns = NULL;
-    *found = false;
     *motion = (saltus_motion){0};
     s.tried = malloc((size_t)remembered * (size_t)s.n * sizeof *s.tried);
     saltus_status status = s.tried ? saltus_flow_single(system, 0, flow, &s.plain, message)
@@ -283,8 +241,26 @@ saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltu
         for (long long k = 0; k < tracks[t].count; k++)
             saltus_returns_add(returns, tracks[t].points + k * s.n, tracks[t].numbers[k]);
     }
-    for (int p = 1; p <= longest && status == SALTUS_OK && !*found && !is_hopeless(&s); p++)
-        status = try_period(&s, returns, p, motion, found, message);
+    for (int p = 1; p <= longest && status == SALTUS_OK; p++) {
+        saltus_fixed_point f = {0};
+        saltus_return closest;
+        int tries = most / p > fewest ? most / p : fewest;
+        while (status == SALTUS_OK && tries > 0 && !saltus_verdict_settled(motion->verdict)) {
+            const double taken = flow->effort ? flow->effort->total - before : 0;
+            const int enough = taken > dear_steps ? dear_tries : least_tries;
+            if (taken > most_steps || (s.tries >= enough && s.led * hopeless < s.tries) ||
+                !saltus_returns_next(returns, p, &closest))
+                break;
+            if (was_tried(&s, p, closest.state, 2 * closest.distance))
+                continue;
+            if (!f.map)
+                status = saltus_fixed_point_open(&f, system, p, flow, message);
+            if (status == SALTUS_OK)
+                status = try_return(&s, &f, p, closest.state, motion, message);
+            tries--;
+        }
+        saltus_fixed_point_close(&f);
+    }
     saltus_returns_free(returns);
     saltus_flow_free(s.plain);
     free(s.tried);

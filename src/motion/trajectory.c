@@ -164,30 +164,6 @@ static saltus_status record_stretch(recorder *self, long long until, saltus_mess
     return room ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the record");
 }
 
-/* Record everything: along an orbit from one section point to the next, otherwise after the transient. */
-static saltus_status run(recorder *self, const double *state, saltus_message *message) {
-    const saltus_trajectory_plan *plan = self->plan;
-    saltus_status status = SALTUS_OK;
-    for (long long k = 0; plan->orbit && k < plan->periods && status == SALTUS_OK; k++) {
-        const double *point = plan->points + (size_t)(k % plan->orbit) * (size_t)self->record->dimension;
-        status = saltus_flow_start(self->flow, 0, (saltus_time){k, 0}, point, message);
-        if (status == SALTUS_OK)
-            status = record_stretch(self, k + 1, message);
-    }
-    if (plan->orbit)
-        return status;
-    const saltus_time start = {-plan->transient, 0}, origin = {0, 0};
-    const unsigned watch = plan->progress.show ? SALTUS_WATCH_STEP : 0;
-    saltus_event event = {.kind = plan->transient ? SALTUS_STEP : SALTUS_REACHED};
-    status = saltus_flow_start(self->flow, 0, start, state, message);
-    while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
-        status = saltus_flow_advance(self->flow, origin, watch, &event, message);
-        if (status == SALTUS_OK)
-            tell(self);
-    }
-    return status == SALTUS_OK ? record_stretch(self, plan->periods, message) : status;
-}
-
 saltus_status saltus_trajectory_follow(const saltus_system *system, const double *state,
                                        const saltus_flow_options *options, const saltus_trajectory_plan *plan,
                                        saltus_trajectory *record, saltus_message *message) {
@@ -216,8 +192,24 @@ saltus_status saltus_trajectory_follow(const saltus_system *system, const double
           grow(&record->strobe_states, periods, (size_t)record->dimension * sizeof(double))))
         status =
             saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a record of %lld samples", self.last + 1);
-    if (status == SALTUS_OK)
-        status = run(&self, state, message);
+    /* Along an orbit from one section point to the next, otherwise after the transient. */
+    for (long long k = 0; plan->orbit && k < periods && status == SALTUS_OK; k++) {
+        const double *point = plan->points + (size_t)(k % plan->orbit) * (size_t)record->dimension;
+        status = saltus_flow_start(self.flow, 0, (saltus_time){k, 0}, point, message);
+        if (status == SALTUS_OK)
+            status = record_stretch(&self, k + 1, message);
+    }
+    const unsigned watch = plan->progress.show ? SALTUS_WATCH_STEP : 0;
+    saltus_event event = {.kind = transient ? SALTUS_STEP : SALTUS_REACHED};
+    if (status == SALTUS_OK && !plan->orbit)
+        status = saltus_flow_start(self.flow, 0, (saltus_time){-transient, 0}, state, message);
+    while (status == SALTUS_OK && !plan->orbit && event.kind != SALTUS_REACHED) {
+        status = saltus_flow_advance(self.flow, (saltus_time){0, 0}, watch, &event, message);
+        if (status == SALTUS_OK)
+            tell(&self);
+    }
+    if (status == SALTUS_OK && !plan->orbit)
+        status = record_stretch(&self, periods, message);
     saltus_flow_free(self.flow);
     record->interrupted = status == SALTUS_INTERRUPTED;
     if (status != SALTUS_OK && !record->interrupted)

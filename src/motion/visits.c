@@ -24,18 +24,13 @@ void saltus_visits_reset(saltus_visits *v, const saltus_system *system) {
     v->returns = (saltus_crossings){0};
 }
 
-void saltus_visits_take(saltus_visits *v, const saltus_flow *flow, int lane, const saltus_event *event,
-                        const double *state, saltus_flow_info done) {
-    v->done = done;
-    saltus_crossings_take(&v->returns, flow, lane, event, state);
-}
-
-bool saltus_visits_next(saltus_visits *v, const saltus_flow *flow, int lane, double *state) {
+bool saltus_visits_next(saltus_visits *v, const saltus_flow *flow, int lane, saltus_flow_info done,
+                        double *state) {
     saltus_time time;
     if (!saltus_crossings_count(&v->returns, flow, lane, state, &time))
         return false;
     v->times[v->settling.count % v->settling.size] = saltus_time_periods(time);
-    saltus_settling_add(&v->settling, state, v->done.impacts, v->done.sticks + v->done.releases);
+    saltus_settling_add(&v->settling, state, done.impacts, done.sticks + done.releases);
     return true;
 }
 

@@ -8,9 +8,8 @@
 
 typedef struct saltus_visits {
     saltus_settling settling; /* how the section points recur */
-    saltus_crossings returns;
-    saltus_flow_info done;
-    double *times; /* times of the points kept by `settling`, in the system's periods */
+    saltus_crossings returns; /* takes the events */
+    double *times;            /* times of the points kept by `settling`, in the system's periods */
 } saltus_visits;
 
 /* As saltus_settling_open. False without memory. */
@@ -18,13 +17,11 @@ bool saltus_visits_open(saltus_visits *visits, int dimension, int longest);
 void saltus_visits_close(saltus_visits *visits);
 /* Start with no return. */
 void saltus_visits_reset(saltus_visits *visits, const saltus_system *system);
-/* Take an event of a lane, a reached target included, after which the lane is at `state`; `done` are the
- * trajectory's counters until then. */
-void saltus_visits_take(saltus_visits *visits, const saltus_flow *flow, int lane, const saltus_event *event,
-                        const double *state, saltus_flow_info done);
-/* Read the next return that the last event has brought into `state`, which at first holds the lane's state.
- * False if there is none left. No return is counted while chatter may be in progress. */
-bool saltus_visits_next(saltus_visits *visits, const saltus_flow *flow, int lane, double *state);
+/* Read the next return that the last event has brought into `state`, which at first holds the lane's state;
+ * `done` are the trajectory's counters. False if there is none left. No return is counted while chatter may
+ * be in progress. */
+bool saltus_visits_next(saltus_visits *visits, const saltus_flow *flow, int lane, saltus_flow_info done,
+                        double *state);
 /* Time of the last return, in the system's periods. */
 double saltus_visits_last(const saltus_visits *visits);
 /* Duration of the last `returns` returns, in the system's periods. */

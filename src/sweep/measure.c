@@ -89,11 +89,11 @@ static void keep_point(saltus_sweep_trajectory *t, const double *state, double n
 }
 
 void saltus_sweep_trajectory_take(saltus_sweep_trajectory *t, const saltus_event *event) {
+    const saltus_flow_info done = saltus_sweep_trajectory_information(t);
     double state[SALTUS_STATE_MAX];
     memcpy(state, t->state, (size_t)t->sweep->dimension * sizeof *state);
-    saltus_visits_take(&t->proof.visits, t->flow, t->lane, event, t->state,
-                       saltus_sweep_trajectory_information(t));
-    while (saltus_visits_next(&t->proof.visits, t->flow, t->lane, state))
+    saltus_crossings_take(&t->proof.visits.returns, t->flow, t->lane, event, t->state);
+    while (saltus_visits_next(&t->proof.visits, t->flow, t->lane, done, state))
         if (t->stage == SALTUS_STAGE_MEASURING)
             keep_point(t, state, saltus_visits_last(&t->proof.visits));
 }
@@ -162,9 +162,9 @@ static bool has_stable_orbit(saltus_sweep_trajectory *t) {
     const saltus_track track = {m->points, m->points + room_of(t) * m->growth.n,
                                 forced || m->count < most_points ? m->count : most_points};
     saltus_motion orbit = {0};
-    bool found = false;
     saltus_status status =
-        saltus_stable_orbit_among(t->system, &t->sweep->options.flow, &track, 1, &orbit, &found, NULL);
+        saltus_stable_orbit_among(t->system, &t->sweep->options.flow, &track, 1, &orbit, NULL);
+    const bool found = saltus_verdict_settled(orbit.verdict);
     t->starved |= status == SALTUS_NO_MEMORY;
     saltus_motion_clear(&orbit);
     return found;
