@@ -104,6 +104,9 @@ static void errors_tell_the_line(void **unused) {
          "my.yaml:3: r: must be made of numbers and parameters, and the closing speed"},
         {"  motion: {x: 1}\nstop: {coordinate: x, d: speed, r: 0.5}\n",
          "my.yaml:3: d: column 1: speed: the closing speed belongs to a restitution r"},
+        {"  let: {g: 0.5 + 0.1*speed}\n  motion: {x: 1 - x}\n  section: {zero: g}\n"
+         "stop: {coordinate: x, d: 1, r: g}\n",
+         "section: zero: column 1: speed: the closing speed belongs to a restitution r"},
         {"  motion: {x: 1}\nstop: {coordinate: x, d: 1, r: 1.5 - speed}\n",
          "my.yaml:3: r = 1.5: must be at least 0 and at most 1"},
         {"  motion: {x: 1}\nstop: {coordinate: x}\n", "d is missing"},

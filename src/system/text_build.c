@@ -306,8 +306,7 @@ static int name_of(builder *b, const saltus_expression_term *term) {
     if (node < 0 && is_named("pi", name, term->length))
         node = saltus_graph_constant(b->graph, 3.14159265358979323846);
     if (node < 0 && is_named("speed", name, term->length))
-        node = b->restituting ? saltus_graph_leaf(b->graph, SALTUS_OP_SPEED, -1)
-                              : refuse(b, term, "speed: the closing speed belongs to a restitution r");
+        node = saltus_graph_leaf(b->graph, SALTUS_OP_SPEED, -1);
     const bool time = is_named("t", name, term->length);
     if (node < 0 && (time || is_named("phase", name, term->length)))
         node =
@@ -320,7 +319,12 @@ static int name_of(builder *b, const saltus_expression_term *term) {
             node = constant_of(b, term, &b->text->constants[k]);
     if (node < 0)
         node = let_of(b, term, name);
-    return node < 0 ? refuse_name(b, term, name) : node;
+    if (node < 0)
+        return refuse_name(b, term, name);
+    /* Also in an abbreviation that a restitution has used before. */
+    if (!b->restituting && b->graph->nodes[node].depends & SALTUS_OF_SPEED)
+        return refuse(b, term, "speed: the closing speed belongs to a restitution r");
+    return node;
 }
 
 static bool switches(builder *b, const saltus_expression_term *term, int node) {
@@ -831,8 +835,6 @@ static void build(builder *b) {
         b->equation = &text->observe.items[k];
         own->row = keep(b, (size_t)n, sizeof *own->row);
         own->node = right_side(b, b->equation, 0);
-        if (b->graph->nodes[own->node].depends & SALTUS_OF_SPEED)
-            refuse(b, NULL, "speed: the closing speed belongs to a restitution r");
         own->sum = b->status == SALTUS_OK && make_row(b, own->node, own->row);
         saltus_text_release(&b->scratch);
     }
