@@ -42,3 +42,17 @@ for file in bin/saltus include/saltus/saltus.h share/saltus/scenes/pipe.yaml \
     [ -f "$place/root/usr/$file" ] || { echo "the packages hold no $file"; exit 1; }
 done
 "$place/root/usr/bin/saltus" check pipe >/dev/null
+# A program of a user against the unpacked packages, wherever they lie, with the shared library and the static one.
+library=$(dirname "$(find "$place/root" -name libsaltus.so)")
+LD_LIBRARY_PATH=$library
+PKG_CONFIG_PATH=$library/pkgconfig
+# shellcheck disable=SC2046
+cc "$example/first_impact.c" -o "$place/first_impact" $(pkg-config --cflags --libs saltus)
+is_right "$place/first_impact"
+# shellcheck disable=SC2046
+cc "$example/first_impact.c" -Wl,--as-needed "$library/libsaltus.a" -o "$place/first_impact" \
+    $(pkg-config --cflags --static --libs saltus)
+LD_LIBRARY_PATH= is_right "$place/first_impact"
+for wanted in $(pkg-config --print-requires-private saltus); do
+    pkg-config --exists "$wanted" || { echo "$wanted, which saltus.pc names, is not there"; exit 1; }
+done
