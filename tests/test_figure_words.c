@@ -1,6 +1,7 @@
 /* The words on a motion's page: caption, headings of panels and names of axes, for every kind of motion, with
  * each item known or unknown.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/caption.h"
 #include "made_record.h"
 
 /* A text with single blanks, because lines may break at any. */
@@ -130,6 +131,29 @@ static void small_fractions_are_powers_of_ten(void **state) {
         figure_free(&f);
     }
     saltus_system_free(system);
+}
+
+/* So are small parameters, restitutions and places of stops. */
+static void small_values_are_powers_of_ten(void **state) {
+    (void)state;
+    static const char *const wanted[2][3] = {
+        {"{/:Italic α} = 2.5·10^{−7}", "{/:Italic ξ} = 1·10^{−5}", "{/:Italic r} = 2·10^{−6}"},
+        {"{/:Italic k} = 3·10^{10}", "{/:Italic x}_1 − 4·10^{−5} {/:Italic x}_2",
+         "{/:Italic r} = 2·10^{−6}"}};
+    for (int pipe = 1; pipe >= 0; pipe--) {
+        saltus_spec spec = pipe ? pipe_spec(1, 40) : oscillator_spec(0.125, 3e10, 1.5, 0.625);
+        saltus_line line = {.length = 0};
+        set_parameter(&spec, pipe ? "alpha" : "N", pipe ? 2.5e-7 : 2);
+        add_stop(&spec, 0.25, 2e-6, SALTUS_UPPER);
+        spec.stops[0].xi = 1e-5;
+        spec.stops[0].weight[1] = -4e-5;
+        saltus_system *system = build(&spec);
+        saltus_line_parameters(&line, system, (const char *const[2]){NULL, NULL});
+        for (int k = 0; k < 3; k++)
+            if (!strstr(line.text, wanted[!pipe][k]))
+                fail_msg("'%s' is not in '%s'", wanted[!pipe][k], line.text);
+        saltus_system_free(system);
+    }
 }
 
 /* The exponent of a motion without a period and its meaning; curves and laminar phases if there are any. */
@@ -365,7 +389,7 @@ static void spectra_are_headed_by_their_lines(void **state) {
         double forced; /* decibels of the line at omega */
         const char *said;
     } cases[] = {{SALTUS_SPECTRUM_LINES, 1, 2, 0, ": multiples of {/:Italic ω}"},
-                 {SALTUS_SPECTRUM_LINES, 2, 2, -99, "; red squares: multiples of {/:Italic ω}"},
+                 {SALTUS_SPECTRUM_LINES, 2, 2, -99, "; squares: multiples of {/:Italic ω}"},
                  {SALTUS_SPECTRUM_LINES, 2, 2, -101, ": multiples of {/:Italic ω}/2"},
                  {SALTUS_SPECTRUM_LINES, 2, 1, 0, ": multiples of {/:Italic ω}/2"},
                  {SALTUS_SPECTRUM_WELCH, 0, 2, -20, "; 87.5 % band; ▾ lines"},
@@ -472,6 +496,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(evidence_is_told_where_it_is_known),
         cmocka_unit_test(small_fractions_are_powers_of_ten),
+        cmocka_unit_test(small_values_are_powers_of_ten),
         cmocka_unit_test(irregular_motions_are_told_by_their_exponent),
         cmocka_unit_test(settled_motions_are_told_by_their_impacts),
         cmocka_unit_test(leading_multipliers_are_told),

@@ -545,7 +545,7 @@ static void sheets_of_orbits_have_their_panels(void **state) {
     char *script = script_of(f, f->system, &diagnosis);
     check_script(script, (const char *const[]){"phase portrait", "one orbit; marks: impacts", "impacts",
                                                "shapes", "displacement", "Floquet", NULL});
-    assert_non_null(strstr(script, "red squares: multiples of"));
+    assert_non_null(strstr(script, "squares: multiples of"));
     assert_non_null(strstr(script, "largest exponent ln|"));
     assert_null(strstr(script, "$convergence"));
     free(script);

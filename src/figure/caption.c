@@ -41,7 +41,7 @@ void saltus_line_plain(saltus_line *l, const char *text) {
 static void add_printed(saltus_line *l, const char *number) {
     for (const char *c = number; *c; c++) {
         int power = 0, length = 0;
-        if (*c == 'e' && sscanf(c + 1, "%d%n", &power, &length) == 1) {
+        if (*c == 'e' && strchr("+-", c[1]) && sscanf(c + 1, "%d%n", &power, &length) == 1) {
             saltus_line_add(l, "·10^{%s%d}", power < 0 ? "−" : "", abs(power));
             c += length;
         } else if (*c == '-')
@@ -52,7 +52,7 @@ static void add_printed(saltus_line *l, const char *number) {
 }
 
 void saltus_line_number(saltus_line *l, const char *format, double value) {
-    char text[64];
+    char text[128];
     snprintf(text, sizeof text, format, value == 0 ? 0 : value); /* no minus before a zero */
     add_printed(l, text);
 }
@@ -118,8 +118,8 @@ static void add_stop(saltus_line *l, const saltus_system *system, int s, const c
     int count;
     const double *place = saltus_stop_place(spec->model, stop, &count);
     if (count == 1 && !varies(varied, key, s)) {
-        saltus_line_symbol(l, key);
-        saltus_line_add(l, " = %.6g, ", *place);
+        saltus_line_value(l, key, *place);
+        saltus_line_add(l, ", ");
     } else if (count > 1 && saltus_system_dof(system) > 1) {
         /* w1 x1 + w2 x2, without zeros and ones */
         for (int i = 0, terms = 0; i < 2; i++) {
@@ -127,7 +127,7 @@ static void add_stop(saltus_line *l, const saltus_system *system, int s, const c
                 continue;
             saltus_line_add(l, "%s", place[i] < 0 ? (terms ? " − " : "−") : terms ? " + " : "");
             if (fabs(place[i]) != 1)
-                saltus_line_add(l, "%.6g ", fabs(place[i]));
+                saltus_line_number(l, "%.6g ", fabs(place[i]));
             saltus_line_add(l, "{/:Italic x}_%d", i + 1);
             terms++;
         }
@@ -143,12 +143,13 @@ static void add_stop(saltus_line *l, const saltus_system *system, int s, const c
     }
     if (!varies(varied, "r", s)) {
         const char *law = saltus_restitution_law(spec, s);
-        saltus_line_symbol(l, "r");
-        saltus_line_add(l, law ? " = " : " = %.6g, ", stop->r);
         if (law) {
+            saltus_line_symbol(l, "r");
+            saltus_line_add(l, " = ");
             saltus_line_plain(l, law);
-            saltus_line_add(l, ", ");
-        }
+        } else
+            saltus_line_value(l, "r", stop->r);
+        saltus_line_add(l, ", ");
     }
     saltus_line_add(l, "%s", side[stop->sides]);
 }
@@ -282,9 +283,9 @@ void saltus_line_observed(saltus_line *l, const saltus_system *system, bool velo
     bool single_mass = saltus_system_dof(system) > 1
                            ? observer[0] + observer[1] == 1 && observer[0] * observer[1] == 0
                            : observer[0] == 1;
-    char place[32] = "½";
-    if (xi != 0.5)
-        snprintf(place, sizeof place, "%.4g", xi);
+    saltus_line number = {.length = 0};
+    saltus_line_number(&number, "%.4g", xi);
+    const char *place = xi == 0.5 ? "½" : number.text;
     const saltus_notation *n = saltus_notation_of(system);
     const char *x = n->displacement, *t = n->time, *own = saltus_system_observed_name(system);
     const int mass = observer[0] == 1 ? 1 : 2;

@@ -23,7 +23,7 @@ saltus_line *saltus_line_next(saltus_line *l);
 /* Text from a user's file, as it stands: what would be markup in enhanced text is escaped. */
 void saltus_line_plain(saltus_line *l, const char *text);
 /* A number formatted with one conversion, also amid a few words, with a minus sign and an exponent as a power
- * of ten. */
+ * of ten: the way for all numbers that may be small or large. */
 void saltus_line_number(saltus_line *l, const char *format, double value);
 /* The name of an entry of the state. */
 void saltus_line_state(saltus_line *line, const saltus_system *system, int entry);

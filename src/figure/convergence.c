@@ -96,19 +96,19 @@ static void put_caption(saltus_page *page, const saltus_scene *scene, const salt
         const double exponent = l->exponents[0], error = l->standard_errors[0];
         saltus_line_uncertain(head, exponent, error);
         saltus_line_uncertain(measurement, exponent * l->period, error * l->period);
-        saltus_line_add(measurement, " per period {/:Italic T} = %.6g;  ", l->period);
+        saltus_line_number(measurement, " per period {/:Italic T} = %.6g;  ", l->period);
     }
     saltus_line_add(measurement, "%lld periods measured by %d trajector%s%s after a transient of %lld;  ",
                     l->periods, l->members, l->members == 1 ? "y" : "ies", l->members == 1 ? "" : " together",
                     l->transient);
     if (isfinite(l->impacts_per_period))
-        saltus_line_add(measurement, "impacts per period: %.4g", l->impacts_per_period);
+        saltus_line_number(measurement, "impacts per period: %.4g", l->impacts_per_period);
     else
         saltus_line_add(measurement, "complete chatter");
     if (l->interrupted)
         saltus_line_add(head, "  (interrupted)");
     if (!l->precise)
-        saltus_line_add(doubt, "the precision asked for, %.3g %%, was not reached", 100 * precision);
+        saltus_line_number(doubt, "the precision asked for, %.3g %%, was not reached", 100 * precision);
     if (!l->agree)
         saltus_line_add(saltus_line_next(doubt),
                         "the trajectories do not agree: they do not measure the same motion");

@@ -312,7 +312,7 @@ static void put_spectrum(const saltus_sheet *sheet, saltus_frame frame, int lett
     else if (s->periods == 1)
         saltus_line_add(&heading, ": multiples of {/:Italic ω}");
     else if (forcing)
-        saltus_line_add(&heading, "; red squares: multiples of {/:Italic ω}");
+        saltus_line_add(&heading, "; squares: multiples of {/:Italic ω}");
     else
         saltus_line_add(&heading, ": multiples of {/:Italic ω}/%d", s->periods);
     saltus_spectrum_low_panel(sheet->page, sheet->spectra, frame, letter, &heading);
@@ -461,9 +461,9 @@ saltus_status saltus_plot_trajectory(const char *figure, const char *path, const
         saltus_sheet_choose_all(&sheet);
         saltus_line *head = saltus_page_scene(&page, file.head.title, file.system);
         saltus_line_plain(head, file.head.scene);
-        saltus_line_add(head, ":  trajectory over %.6g %s",
-                        file.record.time[file.record.samples - 1] - file.record.time[0],
-                        saltus_system_forced(file.system) ? "{/:Italic T}" : "units of time");
+        saltus_line_number(head, ":  trajectory over %.6g ",
+                           file.record.time[file.record.samples - 1] - file.record.time[0]);
+        saltus_line_add(head, "%s", saltus_system_forced(file.system) ? "{/:Italic T}" : "units of time");
         if (file.record.interrupted)
             saltus_line_add(head, "  (interrupted)");
         if (page.free_height) /* a narrow page is made higher for its caption when it begins */

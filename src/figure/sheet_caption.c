@@ -50,18 +50,15 @@ static void add_evidence(saltus_line *l, const saltus_motion *m) {
         saltus_line_uncertain(l, e->dimension, e->dimension_error);
     }
     if (isfinite(e->broadband)) {
-        const double power = floor(log10(e->broadband));
-        saltus_line_next(l);
-        if (e->broadband >= 1e-3 || !(e->broadband > 0))
-            saltus_line_add(l, "broadband fraction %.2g", e->broadband);
-        else
-            saltus_line_add(l, "broadband fraction %.1f·10^{−%.0f}", e->broadband / pow(10, power), -power);
+        const bool small = e->broadband > 0 && e->broadband < 1e-3;
+        saltus_line_number(saltus_line_next(l), small ? "broadband fraction %.1e" : "broadband fraction %.2g",
+                           e->broadband);
     }
     if (e->lifetime_at_least > 0)
         saltus_line_add(saltus_line_next(l), "mean lifetime at least %.0f {/:Italic T}",
                         e->lifetime_at_least);
     if (isfinite(e->impacts_per_period)) /* complete chatter has no number */
-        saltus_line_add(saltus_line_next(l), "%.4g impacts per {/:Italic T}", e->impacts_per_period);
+        saltus_line_number(saltus_line_next(l), "%.4g impacts per {/:Italic T}", e->impacts_per_period);
 }
 
 /* The leading multipliers; a complex pair is written once, with its modulus. */
@@ -107,7 +104,7 @@ static void add_stretch(saltus_line *l, const saltus_sheet *sheet) {
     char method[256];
     if (sheet->orbit)
         return;
-    saltus_line_add(l, "shown: %.6g periods", r->time[sheet->rows - 1] - r->time[0]);
+    saltus_line_number(l, "shown: %.6g periods", r->time[sheet->rows - 1] - r->time[0]);
     if (!saltus_verdict_settled(sheet->motion->verdict))
         saltus_line_add(l, ", section %lld", sheet->section->strobes);
     if (sheet->spectra) {
@@ -131,12 +128,16 @@ static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
                         m->sticking_intervals, saltus_plural(m->sticking_intervals), m->periods);
     else if (m->impacts == 0)
         saltus_line_add(l, "no impact in %d {/:Italic T}", m->periods);
-    else
-        saltus_line_add(l, "%lld impact%s in %d {/:Italic T}, %.4g per response cycle%s", m->impacts,
-                        saltus_plural(m->impacts), m->periods, saltus_impacts_per_response(sheet->system, m),
-                        saltus_notation_of(sheet->system)->response == 2 ? " 2{/:Italic T}" : "");
-    if (m->trivial_multiplier != 0)
-        saltus_line_add(l, ";  period %.8g, {/:Italic T} is the mean time between maxima", m->period);
+    else {
+        saltus_line_add(l, "%lld impact%s in %d {/:Italic T}, ", m->impacts, saltus_plural(m->impacts),
+                        m->periods);
+        saltus_line_number(l, "%.4g per response cycle", saltus_impacts_per_response(sheet->system, m));
+        saltus_line_add(l, "%s", saltus_notation_of(sheet->system)->response == 2 ? " 2{/:Italic T}" : "");
+    }
+    if (m->trivial_multiplier != 0) {
+        saltus_line_number(l, ";  period %.8g", m->period);
+        saltus_line_add(l, ", {/:Italic T} is the mean time between maxima");
+    }
     if (m->verdict == SALTUS_PERIODIC && m->mirror != SALTUS_MIRROR_NONE)
         saltus_line_add(l, ";  %s",
                         m->mirror == SALTUS_MIRROR_SELF ? "its own mirror image" : "one of a mirror pair");

@@ -207,7 +207,7 @@ static void add_low_heading(saltus_line *heading, const row *r, const saltus_sys
         add_coordinate(heading, system, r->quantity);
     }
     if (r->lines && s->periods > 1)
-        saltus_line_add(heading, ":  lines at multiples of {/:Italic ω}/%d; red squares: of {/:Italic ω}",
+        saltus_line_add(heading, ":  lines at multiples of {/:Italic ω}/%d; squares: of {/:Italic ω}",
                         s->periods);
     else if (r->lines)
         saltus_line_add(heading, ":  lines at multiples of {/:Italic ω}");

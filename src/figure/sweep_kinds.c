@@ -204,9 +204,11 @@ static bool find_basins(saltus_sweep_map *map) {
         return false;
     for (int k = 0; k < n; k++) {
         name_kind(&map->kinds[k], sweep->attractor_label[k], basin_paint(map, k));
-        if (isfinite(sweep->attractor_multiplier[k]))
-            snprintf(map->kinds[k].figures, sizeof map->kinds[k].figures, "|{/:Italic μ}| = %.3g",
-                     sweep->attractor_multiplier[k]);
+        if (isfinite(sweep->attractor_multiplier[k])) {
+            saltus_line figures = {.length = 0};
+            saltus_line_number(&figures, "|{/:Italic μ}| = %.3g", sweep->attractor_multiplier[k]);
+            memcpy(map->kinds[k].figures, figures.text, figures.length + 1);
+        }
     }
     for (int k = 0; k < plain_kinds; k++)
         name_kind(&map->kinds[n + k], plain[k].label, saltus_class_paint(plain[k].verdict, 0, 0));

@@ -148,10 +148,11 @@ static bool find_named(const saltus_sweep_page *page, int width, bool *named) {
     return sound;
 }
 
-/* The most frequent classes, in a few rows. */
+/* The most frequent classes, in a few rows: on a column of a journal fewer, or the legend would take as much
+ * of the page as the diagram. */
 double saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame frame, double top,
                                      bool drawn) {
-    enum { rows_most = 8 };
+    const int rows_most = saltus_page_narrow(&page->paper) ? 5 : 8;
     const double row = 25, apart = 30, letter = 9.6;
     size_t count = (size_t)page->classes.count + 1;
     const int width = pixels_along(page, frame);
@@ -186,8 +187,8 @@ double saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame
         height += row;
     if (left_out && drawn) { /* how many there are, and the largest share of one of them */
         saltus_line words = {.length = 0};
-        saltus_line_add(&words, "and %d more, %s%.2g %%", left_out, left_out > 1 ? "none above " : "",
-                        100 * ((double)most / (double)rows));
+        saltus_line_add(&words, "and %d more, %s", left_out, left_out > 1 ? "none above " : "");
+        saltus_line_number(&words, "%.2g %%", 100 * ((double)most / (double)rows));
         saltus_page_label(&page->paper, words.text, frame.left, top - height + 9,
                           "left front font ',%.4g' tc rgb '#404040'", saltus_page_type(&page->paper, 10.5));
     }
