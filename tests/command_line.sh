@@ -77,24 +77,24 @@ refuse 2 "--segment -1" spectrum fig7d --segment -1
 refuse 2 "two orbits take 8" spectrum fig7d --periods 7
 refuse 2 "segment = 9" spectrum fig7d --segment 9 --periods 8
 refuse 2 "1000000 periods" spectrum fig7d --periods 1000000
-refuse 1 "nowhere/spectrum.csv" spectrum fig7d -o nowhere/spectrum.csv
+refuse 2 "nowhere/spectrum.csv" spectrum fig7d -o nowhere/spectrum.csv
 refuse 2 "--precision 0" lyapunov fig7d --precision 0
 refuse 2 "--interval -1" lyapunov fig7d --interval -1
 refuse 2 "interval = 0.3" lyapunov fig7d --interval 0.3
 refuse 2 "periods = 100" lyapunov fig7d --periods 100
 refuse 2 "x.bmp" lyapunov fig7c --precision 1e-6 -o x.bmp
-refuse 1 "nowhere/x.png" lyapunov fig7c --precision 1e-6 -o nowhere/x.png
+refuse 2 "nowhere/x.png" lyapunov fig7c --precision 1e-6 -o nowhere/x.png
 refuse 2 "irregular" continue fig7c --in omega=5:15 --transient 500 -o branch.h5
 refuse 2 "branch.txt" continue fig7d --in omega=35:56 -o branch.txt
-refuse 1 "nowhere/branch.h5" continue fig7d --in omega=35:56 -o nowhere/branch.h5
+refuse 2 "nowhere/branch.h5" continue fig7d --in omega=35:56 -o nowhere/branch.h5
 refuse 2 "branch.h5" continue fig7d --in omega=35:56 -o branch.h5 --resume
 refuse 2 "unknown.yaml" plot unknown.yaml -o branch.png
 refuse 2 "missing.h5" plot missing.h5 -o branch.png
 refuse 2 "sheet.bmp" diagnose fig3 -o sheet.bmp
 refuse 2 "run.txt" simulate fig3 --periods 2 -o run.txt
-refuse 1 "nowhere/run.csv" simulate fig3 --periods 2 -o nowhere/run.csv
-refuse 1 "nowhere/run.h5" simulate fig3 --periods 2 -o nowhere/run.h5
-refuse 1 "nowhere/sheet.png" diagnose fig3 -o nowhere/sheet.png
+refuse 2 "nowhere/run.csv" simulate fig3 --periods 2 -o nowhere/run.csv
+refuse 2 "nowhere/run.h5" simulate fig3 --periods 2 -o nowhere/run.h5
+refuse 2 "nowhere/sheet.png" diagnose fig3 -o nowhere/sheet.png
 
 # Without gnuplot: a sentence, exit status 1, no file.
 count=$((count + 1))
@@ -200,7 +200,7 @@ keep out continue flip.yaml --from start.json --in omega=2.59:2.61 -o short.h5
 rm -f out
 refuse 2 "axes" plot short.h5 flip.h5 -o x.png
 refuse 2 "--label 4/4" plot flip.h5 -o x.png --label 4/4
-refuse 2 "two parameters" plot branch.h5 -o x.png --label omega=42,d=0.035,4/4
+refuse 2 "in what the figure shows, omega and speed" plot branch.h5 -o x.png --label omega=42,d=0.035,4/4
 refuse 2 "shows omega and r" plot flip.h5 -o x.png --range d=0.5:0.9
 refuse 2 "--range omega" plot flip.h5 -o x.png --range omega
 refuse 2 "--show colours" plot branch.h5 -o x.png --show colours

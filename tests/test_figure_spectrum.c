@@ -366,11 +366,11 @@ static void spectra_are_headed_by_what_they_show(void **state) {
         double trustworthy;
         const char *low, *whole;
     } cases[] = {
-        {3, 2, 1, 1, 9, ":  lines at multiples of {/:Italic ω}/3; red squares: of {/:Italic ω}",
+        {3, 2, 1, 1, 9, ":  lines at multiples of {/:Italic ω}/3; squares: of {/:Italic ω}",
          "all lines; dashed: largest between them; grey: not trustworthy"},
         {1, 1, 1, 1, 64, ":  lines at multiples of {/:Italic ω}", "all lines"},
         {1, 2, 1, 2, NAN, ":  lines at multiples of {/:Italic ω}", "all lines; dashed: largest between them"},
-        {2, 1, 1, 2, 0, ":  lines at multiples of {/:Italic ω}/2; red squares: of {/:Italic ω}",
+        {2, 1, 1, 2, 0, ":  lines at multiples of {/:Italic ω}/2; squares: of {/:Italic ω}",
          "all lines; grey: not trustworthy"},
         {0, 1, 5, 1, 8, ":  density; pale: 90 % confidence; ▾ strong lines",
          "the whole density; grey: not trustworthy"},
@@ -1004,10 +1004,31 @@ static void plot_draws_what_is_asked_for(void **state) {
     f = figure_taken(folder);
     assert_true(f.panel[0].range[0][0] == 1.97 && f.panel[0].range[0][1] == 2.01);
     figure_free(&f);
-    run("plot s.h5 --view impacts --over b.h5 -o s.svg");
+    run("plot s.h5 --view impacts --over b.h5 --label omega=2,impacts=0.2,Mine -o s.svg");
     f = figure_taken(folder);
     assert_non_null(figure_element_of(&f.panel[0], "$curve", 0));
+    assert_non_null(figure_mark_of(&f.panel[0], 'l', "Mine", 0));
     figure_free(&f);
+    /* A label beyond the axes is counted above the panel. */
+    run("plot b.h5 --label omega=2,speed=0.9,Mine --label omega=2,speed=99,there -o s.svg");
+    f = figure_taken(folder);
+    assert_true(f.panel[0].range[1][0] < 0.9 && f.panel[0].range[1][1] > 0.9);
+    assert_non_null(figure_mark_of(&f.panel[0], 'l', "Mine", 0));
+    assert_null(figure_mark_of(&f.panel[0], 'l', "there", 0));
+    assert_non_null(figure_mark_of(&f.panel[0], 'l', "labels beyond the axes: 1", 0));
+    figure_free(&f);
+    /* Over a map, with and without curves; names of regions leave it its place. */
+    run("sweep scene.yaml --over omega=1.9:2.1:5 --over d=0:0.4:3 -o m.h5 --quiet");
+    run("continue scene.yaml --in d=-0.5:1 --locus GR --and omega=1.9:2.1 -o g.h5 --quiet");
+    for (int k = 0; k < 2; k++) {
+        run(k ? "plot m.h5 --label d=0.1,omega=2,Mine -o s.svg"
+              : "plot m.h5 --over g.h5 --label omega=2,d=0.1,Mine -o s.svg");
+        f = figure_taken(folder);
+        const figure_mark *label = figure_mark_of(&f.panel[0], 'l', "Mine", 0);
+        assert_true(label && strstr(label->style, "boxed"));
+        assert_true((figure_element_of(&f.panel[0], "$curve", 0) != NULL) == !k);
+        figure_free(&f);
+    }
 }
 
 /* `paper` runs a figure's commands with the options of a trial, in the named folder. */
@@ -1040,6 +1061,16 @@ static void paper_draws_the_figure_asked_for(void **state) {
     assert_int_equal(access(path_in("paper/fig3.png", path), F_OK), 0);
     assert_int_equal(access(path_in("paper/fig3.h5", path), F_OK), 0);
     figure_free(&f);
+    /* In a size of their own, without words: a column of a journal has 1004 dots. */
+    for (int k = 2; k < 4; k++) {
+        char line[120];
+        snprintf(line, sizeof line, "paper --quick --figure %d --size column --no-heading --quiet", k);
+        run(line);
+        f = figure_taken(folder);
+        assert_non_null(strstr(f.terminal, "size 1004,"));
+        assert_null(figure_mark_of(&f.panel[0], 'l', k == 2 ? "fig2:" : "fig3:", 0));
+        figure_free(&f);
+    }
 }
 
 /* Each kind of figure is accepted by the real gnuplot; for an empty curve it prints a message. */

@@ -442,17 +442,59 @@ static void wishes_for_branches_are_refused(void **state) {
     path_in("s.png", picture);
     const char *const paths[] = {path, path};
     for (int k = 0; k < 5; k++) {
-        static const char *const said[] = {"is a sweep; what is shown of it is chosen as a view",
-                                           "is a sweep; what is shown of it is chosen as a view",
+        static const char *const said[] = {"is a sweep; what is shown of it is chosen as a view", "",
                                            "is a sweep, which is drawn alone or with branches"};
+        /* A label is refused only where its place is in something that the figure does not show. */
+        const saltus_plot_label label = {{"omega", "speed"}, {1, 0}, "here"};
         saltus_plot_options how = {.show = k == 0 ? SALTUS_SHOW_PERIOD : SALTUS_SHOW_AUTOMATIC,
+                                   .labels = &label,
                                    .label_count = k == 1};
         saltus_message message = {.text = ""};
         saltus_status status = saltus_plot(picture, paths, k == 4 ? 0 : 1 + (k == 2), &how, &message);
         snprintf(words, sizeof words, "%s: %s", path, k < 3 ? said[k] : "");
+        if (k == 1)
+            strcpy(words, "label here: its place must be in what the figure shows, omega and turning");
         assert_int_equal(status, k == 3 ? SALTUS_OK : SALTUS_BAD_INPUT);
         if (k < 3)
             assert_string_equal(message.text, words);
+    }
+}
+
+/* A label stands on a white ground at its place in the parameter and what is shown, also with exchanged or
+ * logarithmic axes. */
+static void labels_stand_at_their_places(void **state) {
+    (void)state;
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = saltus_sweep_defaults();
+    const saltus_axis axis = {.key = "omega", .count = 3, .low = 0.5, .high = 1.5};
+    const saltus_plot_label labels[2] = {{{"omega", "turning"}, {0.8, 0.02}, "one_way"},
+                                         {{"turning", "omega"}, {-0.03, 1.2}, "other"}};
+    const char *const key = "omega";
+    char path[path_size];
+    options.keep = SALTUS_KEEP_TURNING;
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_a_tenth, 100);
+    for (int k = 0; k < 4; k++) {
+        const bool swap = k % 2, logarithmic = k / 2;
+        const saltus_sweep_view how = {
+            .view = SALTUS_VIEW_TURNING,
+            .labels = labels,
+            .label_count = 2,
+            .look = {.swap = swap, .logarithmic = &key, .logarithmic_count = logarithmic}};
+        figure f = draw("s.h5", &how, "s.svg");
+        for (int n = 0; n < 2; n++) {
+            const figure_panel *panel = &f.panel[0];
+            const figure_mark *label = figure_mark_of(panel, 'l', n ? "other" : "one\\_way", 0);
+            assert_true(label && strstr(label->style, "boxed"));
+            for (int side = 0; side < 2; side++) {
+                const double *range = panel->range[side ^ swap], value = labels[n].value[side ^ n];
+                const bool turned = side == 0 && logarithmic;
+                check_near(label->place[0][side ^ swap],
+                           turned ? log(value / range[0]) / log(range[1] / range[0])
+                                  : (value - range[0]) / (range[1] - range[0]),
+                           1e-4);
+            }
+        }
+        figure_free(&f);
     }
 }
 
@@ -545,6 +587,35 @@ static saltus_sweep_options number_options(void) {
     saltus_sweep_options options = saltus_sweep_defaults();
     options.keep = SALTUS_KEEP_LYAPUNOV;
     return options;
+}
+
+/* A motion that leans to one side, at some points to the other. */
+static void fill_sides(made_place *m) {
+    const double sign = m->point == 3 || m->point == 5 ? -1 : 1, high = 0.3 + 0.01 * (double)m->point;
+    m->row[0] = made_periodic(1, 1);
+    m->row[0].largest = sign > 0 ? high : 0.1;
+    m->row[0].smallest = sign > 0 ? -0.1 : -high;
+    m->row[0].largest_speed = 1;
+}
+
+/* Mirror images met by turns are not joined where displacements are shown, as if they were one motion. */
+static void mirror_images_are_not_joined(void **state) {
+    (void)state;
+    static const saltus_view views[] = {SALTUS_VIEW_LARGEST, SALTUS_VIEW_SPEED};
+    saltus_scene scene = scene_of(1, SALTUS_BOTH);
+    saltus_sweep_options options = saltus_sweep_defaults();
+    const saltus_axis axis = {.key = "omega", .count = 8, .low = 0.5, .high = 1.5};
+    char path[path_size];
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_sides, 100);
+    for (int k = 0; k < 2; k++) {
+        const saltus_sweep_view how = {.view = views[k]};
+        figure f = draw("s.h5", &how, "s.svg");
+        const figure_element *links = figure_element_of(&f.panel[0], "$links", 0);
+        assert_true(links && links->values.count == 8);
+        for (int i = 1; i < 8; i++)
+            assert_true(links->values.joined[i] == (k == 1 || i < 3 || i == 7));
+        figure_free(&f);
+    }
 }
 
 /* Each view's number for each row, joined to its neighbour if the motion is the same. */
@@ -1355,7 +1426,9 @@ int main(void) {
         cmocka_unit_test(stops_that_leave_the_panel_are_named),
         cmocka_unit_test(stops_near_the_points_widen_the_range),
         cmocka_unit_test(wishes_for_branches_are_refused),
+        cmocka_unit_test(labels_stand_at_their_places),
         cmocka_unit_test(numbers_are_those_of_the_rows),
+        cmocka_unit_test(mirror_images_are_not_joined),
         cmocka_unit_test(unforced_numbers_are_named),
         cmocka_unit_test(attractors_are_counted_by_point),
         cmocka_unit_test(exponents_stand_on_zero),

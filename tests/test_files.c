@@ -647,7 +647,7 @@ static void words_of_the_command_line_have_their_limits(void **state) {
          "=0:1: must have the form key=low:high", 31, 2},
         {"sweep impact-oscillator -o x.h5 --over ", "=0:1:3", ": neither a parameter",
          "=0:1:3: no key stands before", 31, 2},
-        {"paper -o ", "", "File name too long", "the name is too long", 1023, 1},
+        {"paper -o ", "", "File name too long", "the name is too long", 1023, 2},
     };
     const fixture *f = *state;
     for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)

@@ -275,11 +275,32 @@ static void bash_completes(void **state) {
         {"saltus sweep --what l", " lyapunov ", " max "},
         {"saltus paper --figure \"\"", " 2 3 4 5 6 7 8 ", " 9 "},
         {"saltus paper --format \"\"", " png pdf svg ", " csv "},
+        /* keys of the scene before, but no options at once, nothing amid a value, files where those are meant
+         */
+        {"saltus sweep pipe --set \"\"", " omega= ", " --over "},
+        {"saltus sweep pipe --set om", " omega= ", " xi= "},
+        {"saltus sweep pipe --set omega = 41 \"\"", " d= ", " classify "},
+        {"saltus sweep pipe --set omega = 41 \"\"", " --over ", " classify "},
+        {"saltus sweep pipe --set omega = \"\"", "  ", " omega= "},
+        {"saltus sweep pipe --set s", " sigma= sides= ", " --"},
+        {"saltus sweep pipe --over q", " q1= q2= q3= q4= ", " omega= "},
+        {"saltus sweep pipe --over s", " sigma= ", " sides= "},
+        {"saltus basins pipe --set d=0.03 --over \"\"", " q5= v1= ", " omega= "},
+        {"saltus continue duffing --in \"\"", " F= omega= d= r= ", " x= "},
+        {"saltus continue pipe --in omega = 40:41 --locus PD --and \"\"", " d= r= ", " N= "},
+        {"saltus continue pipe --in \"\"", " omega= ", " q1= "},
+        {"saltus classify two-stops --set d", " d= d1= d2= ", " --"},
+        {"saltus classify own.yaml --set c", " c= ", " --"},
+        {"saltus classify nosuch.yaml --set \"\"", "  ", "="},
+        {"saltus plot --over \"\"", "  ", "="},
+        {"saltus plot s.h5 --over \"\"", "  ", "="},
     };
     fixture *f = *state;
     if (system("bash -c : >/dev/null 2>&1") != 0)
         skip();
     char *script = told(f, "help --completion");
+    put_tools(f);
+    assert_int_equal(shell(f, "saltus scenes impact-oscillator >own.yaml"), 0);
     FILE *file = fopen(path_in(f, "completion"), "w");
     fputs(script, file);
     fclose(file);

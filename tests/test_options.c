@@ -303,6 +303,8 @@ static const option_case cases[] = {
     {"plot", "--range", "", "plot ../in/branch.h5 -o x.png", "--range omega=0.995:1.003", "differs:script"},
     {"plot", "--label", "", "plot ../in/plane.h5 -o x.png", "--label r=0.8,omega=2.6562,here",
      "text:script:here"},
+    {"plot", "--label", "", "plot ../in/sweep.h5 --view impacts --over ../in/branch.h5 -o x.png",
+     "--label omega=1,impacts=0.5,here", "text:script:here"},
     {"plot", "--view", "", "plot ../in/sweep.h5 -o x.png", "--view impacts", "differs:script"},
     {"plot", "--view", "", "plot ../in/sweep.h5 -o x.png", "--view stroboscopic", "differs:script"},
     {"plot", "--view", "", "plot ../in/map.h5 -o x.png", "--view attractors", "differs:script"},
@@ -325,6 +327,8 @@ static const option_case cases[] = {
     {"paper", "--figure", "", "paper --figure 3 -o p", "--figure 3 --format svg", "made:p/fig3.svg"},
     {"paper", "-o", "", "paper --figure 3", "-o elsewhere", "made:elsewhere/fig3.png"},
     {"paper", "--format", "", "paper --figure 3 -o p", "--format pdf", "made:p/fig3.pdf"},
+    {"paper", "--size", "", "paper --figure 3 -o p", "--size column", "differs:script"},
+    {"paper", "--no-heading", "", "paper --figure 3 -o p", "--no-heading", "differs:script"},
 
     {"check", "--set", "", "check impact-oscillator", "--set F=0.6", "differs:out"},
     {"check", "--derivatives", "", "check impact-oscillator", "--derivatives", "differs:out"},

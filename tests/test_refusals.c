@@ -144,9 +144,13 @@ static void sentences_name_what_is_wrong(void **state) {
         {"plot two.h5 --label F=,c=1,a -o never.png", 2, "--label F=,c=1,a: must have the form "},
         {"plot sweep.h5 --view impacts --show speed -o never.png", 2, "plot: --view and --over are of "},
         {"plot sweep.h5 --title A --label F=1,c=2,a -o never.png", 2,
-         "sweep.h5: is a sweep; what is shown of it is chosen as a view"},
+         "label a: its place must be in what the figure shows, omega and impacts"},
+        {"plot two.h5 --label F=1,c=2,b -o never.png", 2,
+         "label b: its place must be in what the figure shows, F and speed"},
         {"plot sweep.h5 two.h5 --view speed -o never.png", 2, "plot: --view and --over are of one sweep"},
         {"plot two.h5 two.h5 -o never.png", 2, "two.h5: is given twice"},
+        {"paper --size wide -o never", 2, "--size wide: must be column, two-columns, W or WxH "},
+        {"paper --size 10 -o paper", 2, "--size 10: a figure of 10 x 0 mm: "},
         {"spectrum pipe --of q1,q2,q3", 2, "--of q3: only 2 can be given"},
         {"spectrum pipe --of velocity,velocity", 2, "--of velocity: is given twice"},
         {"sweep pipe --over omega=1:2:3:lin -o never.h5", 2,
@@ -188,7 +192,7 @@ static void sentences_name_what_is_wrong(void **state) {
         {"paper --figure 1", 2, "--figure 1: must be from 2 to 8"},
         {"paper --figure 22", 2, "--figure 22: must be from 2 to 8"},
         {"paper --format bmp", 2, "--format bmp: must be png, pdf or svg"},
-        {"paper --figure 3 -o sweep.h5/never", 1, "paper: -o sweep.h5/never: no folder |: Not a directory"},
+        {"paper --figure 3 -o sweep.h5/never", 2, "paper: -o sweep.h5/never: no folder |: Not a directory"},
     };
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
         check_refused(*state, cases[k].line, cases[k].status, cases[k].words);

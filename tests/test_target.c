@@ -11,6 +11,18 @@ static void put_text(fixture *f, const char *name, const char *text) {
     fclose(file);
 }
 
+/* A copy of a file with a byte in its middle changed, or without its last half. */
+static void spoil(fixture *f, const char *name, const char *copy, bool cut) {
+    size_t length;
+    char *bytes = read_all(path_in(f, name), &length);
+    FILE *file = fopen(path_in(f, copy), "wb");
+    assert_non_null(file);
+    bytes[length / 2] ^= 0x55;
+    assert_int_equal(fwrite(bytes, 1, cut ? length / 2 : length, file), cut ? length / 2 : length);
+    fclose(file);
+    free(bytes);
+}
+
 /* Finished results of each kind, and an interrupted one of each. */
 static int prepare(void **state) {
     open_fixture(state);
@@ -25,6 +37,8 @@ static int prepare(void **state) {
     free(told(*state, "continue impact-oscillator --in omega=0.9:1.1 --direction down --locus PD --and "
                       "d=0.9:1.1 -o locus.h5"));
     free(told(*state, "spectrum impact-oscillator --quiet -o lines.csv"));
+    spoil(*state, "sweep.h5", "halved.h5", true);
+    spoil(*state, "branch.h5", "worn.h5", false);
     put_text(*state, "notes.csv", "a,b\n1,2\n");
     put_text(*state, "notes.h5", "not HDF5\n");
     put_text(*state, "notes.svg", "no picture\n");
@@ -61,9 +75,9 @@ static void check_refused(fixture *f, const char *line, int status, const char *
 
 /* The bytes of the files that must not change, one after the other. */
 static char *kept(fixture *f, size_t *length) {
-    static const char *const names[] = {"scene.yaml",  "branch.h5", "sweep.h5",   "run.h5",   "table.csv",
-                                        "samples.csv", "lines.csv", "notes.csv",  "notes.h5", "data.gp",
-                                        "events.csv",  "locus.h5",  "impacts.csv"};
+    static const char *const names[] = {"scene.yaml",  "branch.h5", "sweep.h5",    "run.h5",    "table.csv",
+                                        "samples.csv", "lines.csv", "notes.csv",   "notes.h5",  "data.gp",
+                                        "events.csv",  "locus.h5",  "impacts.csv", "halved.h5", "worn.h5"};
     char *all = NULL;
     *length = 0;
     for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
@@ -143,6 +157,15 @@ static void what_is_there_is_kept(void **state) {
         {"export sweep.h5 --table stroboscopic -o -", 2,
          "sweep.h5: ", "did not keep stroboscopic, only rows, turning, impacts"},
         {"export nothere.h5 -o table.csv", 2, "nothere.h5: ", "cannot be opened"},
+        /* damaged files */
+        {"sweep impact-oscillator --over d=1,2 -o halved.h5", 2,
+         "-o halved.h5: is there, an HDF5 file that is ",
+         "damaged or cut off; another name, or --force to replace it"},
+        {"sweep impact-oscillator --over d=1,2 -o worn.h5", 2, "-o worn.h5: is there, an HDF5 file that is ",
+         "damaged"},
+        {"continue impact-oscillator --in omega=1:2 -o worn.h5", 2, "-o worn.h5: is there, ", "damaged"},
+        {"simulate impact-oscillator --periods 1 -o halved.h5", 2, "-o halved.h5: is there, ", "damaged"},
+        {"diagnose impact-oscillator -o x.png --data worn.h5", 2, "--data worn.h5: is there, ", "damaged"},
         /* what was interrupted */
         {"sweep impact-oscillator --over d=1,2 --what max -o left.csv", 2, "-o left.csv: ", interrupted},
         {"export sweep.h5 -o left.csv", 2, "-o left.csv: ", interrupted},
@@ -150,16 +173,22 @@ static void what_is_there_is_kept(void **state) {
          "-o cut.csv: ", "holds an interrupted run; --force begins anew"},
         {"sweep impact-oscillator --over d=1,2 -o x.h5 --resume --force", 2, "--resume and --force: ", ""},
         /* places */
-        {"sweep impact-oscillator --over d=1,2 -o nowhere/x.h5", 1,
+        {"sweep impact-oscillator --over d=1,2 -o nowhere/x.h5", 2,
          "-o nowhere/x.h5: ", "the folder nowhere cannot be used: No such file"},
-        {"export sweep.h5 -o sweep.h5/x.csv", 1, "-o sweep.h5/x.csv: ", "sweep.h5 is no folder"},
-        {"export sweep.h5 -o folder.csv", 1, "-o folder.csv: ", "is a folder"},
+        {"export sweep.h5 -o sweep.h5/x.csv", 2, "-o sweep.h5/x.csv: ", "sweep.h5 is no folder"},
+        {"export sweep.h5 -o folder.csv", 2, "-o folder.csv: ", "is a folder"},
         /* the scene does not exist, but the target is checked first */
-        {"diagnose nothere -o nowhere/x.png", 1, "-o nowhere/x.png: ", "the folder nowhere"},
-        {"lyapunov nothere -o nowhere/x.png", 1, "-o nowhere/x.png: ", "the folder nowhere"},
-        {"spectrum nothere -o nowhere/x.png", 1, "-o nowhere/x.png: ", "the folder nowhere"},
-        {"simulate nothere --periods 1 -o nowhere/x.h5", 1, "-o nowhere/x.h5: ", "the folder nowhere"},
-        {"continue nothere --in d=1:2 -o nowhere/x.h5", 1, "-o nowhere/x.h5: ", "the folder nowhere"},
+        {"diagnose nothere -o nowhere/x.png", 2, "-o nowhere/x.png: ", "the folder nowhere"},
+        {"lyapunov nothere -o nowhere/x.png", 2, "-o nowhere/x.png: ", "the folder nowhere"},
+        {"spectrum nothere -o nowhere/x.png", 2, "-o nowhere/x.png: ", "the folder nowhere"},
+        {"simulate nothere --periods 1 -o nowhere/x.h5", 2, "-o nowhere/x.h5: ", "the folder nowhere"},
+        {"continue nothere --in d=1:2 -o nowhere/x.h5", 2, "-o nowhere/x.h5: ", "the folder nowhere"},
+        {"basins nothere --over q1=0,1 --over v1=0,1 -o nowhere/x.h5", 2,
+         "-o nowhere/x.h5: ", "the folder nowhere"},
+        {"plot sweep.h5 -o nowhere/x.png", 2, "-o nowhere/x.png: ", "the folder nowhere"},
+        {"plot sweep.h5 -o x.png --keep-script nowhere/x.gp", 2,
+         "--keep-script nowhere/x.gp: ", "the folder nowhere"},
+        {"diagnose nothere -o x.png --data nowhere/x.h5", 2, "--data nowhere/x.h5: ", "the folder nowhere"},
         /* standard output */
         {"continue impact-oscillator --in omega=1:2 -o -", 2, "-o -: HDF5 cannot ", "standard output"},
         {"simulate impact-oscillator --periods 1 -o - --format h5", 2, "-o -: HDF5 cannot ", ""},
@@ -189,7 +218,7 @@ static void all_figures_are_checked_first(void **state) {
     remove(path_in(f, "folder/fig4b.png"));
     assert_int_equal(folder_files(path_in(f, "folder"), false), 0);
     check_refused(f, "paper --quick -o -", 2, "-o -: ", "name a folder");
-    check_refused(f, "paper --quick -o notes.csv", 1, "paper: -o notes.csv: ", "Not a directory");
+    check_refused(f, "paper --quick -o notes.csv", 2, "paper: -o notes.csv: ", "Not a directory");
     assert_int_equal(access(path_in(f, "-"), F_OK), -1);
 }
 
@@ -198,11 +227,11 @@ static void a_locked_folder_is_named(void **state) {
     if (geteuid() == 0)
         skip();
     chmod(path_in(*state, "folder"), 0555);
-    check_refused(*state, "export sweep.h5 -o folder/x.csv", 1, "-o folder/x.csv: in the folder folder ",
+    check_refused(*state, "export sweep.h5 -o folder/x.csv", 2, "-o folder/x.csv: in the folder folder ",
                   "Permission denied");
-    check_refused(*state, "paper -o folder", 1,
+    check_refused(*state, "paper -o folder", 2,
                   "paper: -o folder: nothing can be written there: ", "Permission denied");
-    check_refused(*state, "paper -o folder/x", 1,
+    check_refused(*state, "paper -o folder/x", 2,
                   "paper: -o folder/x: no folder can be made there: ", "Permission denied");
     chmod(path_in(*state, "folder"), 0777);
 }

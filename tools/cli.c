@@ -336,7 +336,7 @@ static bool choose_look(cli_request *request) {
                         : look->title      ? "--title"
                         : look->no_heading ? "--no-heading"
                                            : NULL;
-    if (!drawn && given && (!output || saltus_path_ends(output, ".csv")))
+    if (!drawn && given && request->command->endings && (!output || saltus_path_ends(output, ".csv")))
         return cli_refuse(false, "%s: there is no figure: -o file.png, file.pdf or file.svg is needed",
                           given);
     if (!drawn || saltus_figure_check(output, look, &message) == SALTUS_OK)

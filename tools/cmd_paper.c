@@ -27,7 +27,7 @@ static const cli_option resume =
 /* Commands allowed in the list. */
 static const cli_command *const known[] = {&cmd_sweep, &cmd_basins, &cmd_plot, &cmd_diagnose, &cmd_simulate};
 
-enum { line_size = 1024, words_max = 64, added_max = 3, files_max = 4 };
+enum { line_size = 1024, words_max = 64, added_max = 5, files_max = 4 };
 
 /* Expand a line: {a|b} becomes a, or with --quick b; {format} becomes the figures' ending. The result is
  * never longer than the line. */
@@ -80,6 +80,7 @@ static int run_line(const cli_request *request, const char *folder, bool checkin
     static const char *const endings[] = {".h5", ".png", ".pdf", ".svg"};
     const bool goes_on = cli_given(request, "--resume");
     char *words[words_max + added_max], quietly[] = "--quiet", again[] = "--resume", anew[] = "--force",
+                                        sized[] = "--size", bare[] = "--no-heading", size[64],
                                         files[files_max][2 * line_size];
     int count = cut(text, words), moved = 0;
     const cli_command *command = NULL;
@@ -91,6 +92,7 @@ static int run_line(const cli_request *request, const char *folder, bool checkin
         return cli_refuse(CLI_FAILED, "paper: %.100s: no command of the list of figures", text);
     if (!checking && !command->together && (ranks_here() > 0 || interrupt_asked()))
         return CLI_DONE;
+    const bool draws = command == &cmd_plot || command == &cmd_diagnose;
     for (int k = 1; k < count; k++)
         for (size_t e = 0; e < sizeof endings / sizeof endings[0]; e++)
             if (moved < files_max && saltus_path_ends(words[k], endings[e])) {
@@ -100,6 +102,14 @@ static int run_line(const cli_request *request, const char *folder, bool checkin
             }
     if (cli_given(request, "--quiet"))
         words[count++] = quietly;
+    /* How figures look. */
+    if (draws && cli_given(request, "--size")) {
+        snprintf(size, sizeof size, "%s", cli_text(request, "--size"));
+        words[count++] = sized;
+        words[count++] = size;
+    }
+    if (draws && cli_given(request, "--no-heading"))
+        words[count++] = bare;
     /* With --resume a sweep without a file simply starts; commands that cannot resume run again. */
     if (goes_on && command->together)
         words[count++] = again;
@@ -174,7 +184,7 @@ static int run(const cli_request *request) {
         return CLI_BAD_INPUT;
     /* What cannot be written is told before anything is computed. */
     if (ranks_here() == 0)
-        code = make_folder(folder) ? go_through(request, folder, true) : CLI_FAILED;
+        code = make_folder(folder) ? go_through(request, folder, true) : CLI_BAD_INPUT;
     code = ranks_agree(code);
     if (code == CLI_DONE)
         code = go_through(request, folder, false);
@@ -184,13 +194,15 @@ static int run(const cli_request *request) {
 const cli_command cmd_paper = {
     .name = "paper",
     .summary = "the figures of Wang et al. 2020 from scratch",
-    .usage = "[--figure n] [-o folder] [--format png|pdf|svg] [--quick]",
+    .usage = "[--figure n] [-o folder] [--format png|pdf|svg] [--size column] [--quick]",
     .help = "Draw Figures 2 to 8 of Wang et al. 2020, doi 10.6052/0459-1879-20-137, from scratch. The data "
             "go beside the figures, as files that saltus plot and saltus export read.",
     .together = true,
-    .options = CLI_OPTIONS(&figure, &folder, &format, &quick, &resume, &cli_force),
+    .options =
+        CLI_OPTIONS(&figure, &folder, &format, &cli_size, &cli_no_heading, &quick, &resume, &cli_force),
     .examples = CLI_EXAMPLES({"paper --figure 3 -o figures", "one figure, with its data, into a folder"},
-                             {"paper --figure 3 --format svg -o figures", "the same as SVG"}),
+                             {"paper --figure 3 --format svg --size column -o figures",
+                              "the same as SVG, one column of a journal wide"}),
     .see = "sweep diagnose plot",
     .run = run,
 };

@@ -25,9 +25,10 @@ static const cli_option range = CLI_OPTION(
     "--range", CLI_KEYS, "key=lo:hi",
     "part of a parameter's range to draw; once for each parameter, and for a sweep's view (its name as key)");
 
-static const cli_option label =
-    CLI_OPTION("--label", CLI_LIST, "place,text",
-               "write text in the plane, such as omega=42,d=0.035,4/4; may be repeated");
+static const cli_option label = CLI_OPTION(
+    "--label", CLI_LIST, "place,text",
+    "write text at a place, such as omega=42,d=0.035,4/4 or, over one parameter, with what is shown "
+    "of it, omega=42,speed=0.3,here; may be repeated");
 
 static const cli_option view =
     CLI_CHOICE("--view", "name",
@@ -94,14 +95,15 @@ static int run(const cli_request *request) {
     } else if (has_view || over->count) { /* options for sweeps only */
         if (!cli_choose(request, "--view", views, &viewed))
             return CLI_BAD_INPUT;
-        if (several || shows_what || labels->count)
-            return cli_refuse(
-                CLI_BAD_INPUT,
-                "plot: --view and --over are of one sweep, --show and --label of files of saltus continue");
+        if (several || shows_what)
+            return cli_refuse(CLI_BAD_INPUT,
+                              "plot: --view and --over are of one sweep, --show of files of saltus continue");
         const saltus_sweep_view how = {.look = *look,
                                        .view = (saltus_view)(viewed + 1),
                                        .parts = parts,
                                        .part_count = ranges->count,
+                                       .labels = placed,
+                                       .label_count = labels->count,
                                        .branches = over->items,
                                        .branch_count = over->count};
         status = saltus_plot_sweep(request->output, first, &how, &message);

@@ -236,12 +236,17 @@ void manual_page(const cli_command *command, FILE *file) {
 }
 
 void manual_completion(FILE *file) {
-    fputs("# Completion of saltus in bash; made from the commands' tables of options.\n"
-          "_saltus() {\n"
-          "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words= scenes=\n"
-          "    COMPREPLY=()\n"
-          "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        words='",
-          file);
+    fputs(
+        "# Completion of saltus in bash; made from the commands' tables of options.\n"
+        "_saltus() {\n"
+        "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words= scenes= flag= k\n"
+        "    COMPREPLY=()\n"
+        "    [ \"$before\" = = ] && return\n"
+        "    for ((k = COMP_CWORD - 1; k > 1; k--)); do\n"
+        "        case ${COMP_WORDS[k]} in -*) flag=${COMP_WORDS[k]} && break ;; esac\n"
+        "    done\n"
+        "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        words='",
+        file);
     for (int k = 0; manual_commands[k]; k++)
         fprintf(file, "%s ", manual_commands[k]->name);
     fputs("help --help --version -V'\n    else case ${COMP_WORDS[1]} in\n", file);
@@ -284,11 +289,51 @@ void manual_completion(FILE *file) {
     fputs(") scenes='", file);
     for (int k = 0; k < saltus_scene_builtin_count(); k++)
         fprintf(file, "%s%s", k ? " " : "", saltus_scene_builtin_name(k));
+    /* Keys are those of the scene on the line, which the program itself knows. */
     fputs("' ;;\n    esac fi\n"
+          "    case $before in --set|--over|--in|--and) words= ;; esac\n"
+          "    case $flag,$before in --set,*|*,--over|*,--in|*,--and)\n"
+          "        words+=\" $(\"${COMP_WORDS[0]}\" help --keys \"${COMP_WORDS[1]}\" \"$flag\" "
+          "\"${COMP_WORDS[2]}\" "
+          "2>/dev/null)\"\n"
+          "    esac\n"
           "    COMPREPLY=($(compgen -W \"$words $scenes\" -- \"$word\"))\n"
+          "    case ${COMPREPLY[0]} in *=) compopt -o nospace 2>/dev/null ;; esac\n"
           "}\n"
           "complete -o default -F _saltus saltus\n",
           file);
+}
+
+int manual_keys(const char *command, const char *flag, const char *name, FILE *file) {
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    const saltus_status status = saltus_scene_load(name, &scene, &message);
+    if (status != SALTUS_OK)
+        return cli_report(status, &message);
+    int count, keys;
+    const saltus_spec *spec = &scene.spec;
+    const saltus_parameter *parameters = saltus_model_parameters(spec->model, &count),
+                           *of_stops = saltus_stop_parameters(&keys);
+    const bool follows = strcmp(flag, "--in") == 0 || strcmp(flag, "--and") == 0,
+               starts = strcmp(command, "basins") == 0 && strcmp(flag, "--over") == 0;
+    /* Parameters; the values of all stops, their sides last, and of each of several; the initial state. */
+    const int of_each = keys + 1, stops = spec->stop_count > 1 ? spec->stop_count + 1 : spec->stop_count;
+    for (int k = 0; k < count + of_each * stops && !starts; k++) {
+        const int own = (k - count) % of_each, stop = k < count ? 0 : (k - count) / of_each;
+        const char *key = k < count ? parameters[k].name : own < keys ? of_stops[own].name : "sides";
+        char text[SALTUS_KEY_MAX + 16];
+        saltus_direction direction;
+        snprintf(text, sizeof text, stop ? "%s%d" : "%s", key, stop);
+        if ((strcmp(key, "xi") != 0 || k < count || strcmp(saltus_model_stop_key(spec->model), key) == 0) &&
+            (!follows || saltus_spec_direction(spec, text, &direction, NULL, &message) == SALTUS_OK) &&
+            (own < keys || k < count || strcmp(flag, "--set") == 0))
+            fprintf(file, "%s=\n", text);
+    }
+    const int dimension = saltus_spec_dimension(spec, NULL);
+    for (int k = 0; k < dimension && !follows; k++)
+        fprintf(file, "%s=\n", saltus_spec_state_name(spec, k).text);
+    saltus_scene_clear(&scene);
+    return cli_finish();
 }
 
 int manual_write(const char *folder) {

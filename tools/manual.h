@@ -42,8 +42,12 @@ void manual_page(const cli_command *command, FILE *file);
 /* Help and manual page of a topic; the page is in the section of file formats, saltus-NAME(5). */
 void manual_topic_help(const manual_topic *topic, FILE *file);
 void manual_topic_page(const manual_topic *topic, FILE *file);
-/* Print a bash script that completes commands, options and their words. */
+/* Print a bash script that completes commands, options, their words and, with manual_keys, keys of the scene.
+ */
 void manual_completion(FILE *file);
+/* Print, as "key=" lines, what an option of a command that names a parameter (--set, --over, --in, --and)
+ * accepts for a scene. Returns an exit code. */
+int manual_keys(const char *command, const char *flag, const char *scene, FILE *file);
 /* Write all pages (saltus.1, one for each command and topic) and the completion (saltus.bash) into a folder.
  * Returns an exit code. */
 int manual_write(const char *folder);

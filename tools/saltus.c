@@ -18,12 +18,15 @@ static const cli_command *find_command(const char *name) {
     return manual_commands[k];
 }
 
-/* saltus help [COMMAND] [--man]; the build also uses help --pages FOLDER and help --completion. */
+/* saltus help [COMMAND] [--man]; the build also uses help --pages FOLDER and help --completion, and the
+ * completion help --keys COMMAND OPTION SCENE. */
 static int help(int count, char **arguments) {
     const char *first = count ? arguments[0] : "", *last = count ? arguments[count - 1] : "";
     bool as_page = strcmp(last, "--man") == 0;
     if (strcmp(first, "--pages") == 0 && count == 2)
         return manual_write(last);
+    if (strcmp(first, "--keys") == 0 && count == 4)
+        return manual_keys(arguments[1], arguments[2], last, stdout);
     if (count > 1 + as_page)
         return cli_refuse(CLI_BAD_INPUT, "help: %s: unexpected; saltus help COMMAND tells about one",
                           arguments[1]);

@@ -18,14 +18,15 @@ typedef struct place {
     const char *const *endings;
 } place;
 
-__attribute__((format(printf, 3, 4))) static int refuse(int code, const place *p, const char *format, ...) {
+/* What cannot be written, or may not be, is bad input: nothing has been computed yet. */
+__attribute__((format(printf, 2, 3))) static int refuse(const place *p, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     fprintf(stderr, "saltus: %s %s: ", p->option, p->path);
     vfprintf(stderr, format, arguments);
     fputc('\n', stderr);
     va_end(arguments);
-    return code;
+    return CLI_BAD_INPUT;
 }
 
 /* Write a list of endings: ".png, .pdf or .svg". */
@@ -74,17 +75,19 @@ static int check_earlier(const cli_command *command, const cli_request *request,
         const saltus_file_facts input = saltus_file_identify(request->inputs[0]);
         saltus_table_kind(&input, cli_text(request, "--table"), kind);
     }
+    if (strcmp(known, "hdf5") == 0)
+        return refuse(p, "is there, an HDF5 file that is damaged or cut off; another name, or --force to "
+                         "replace it");
     if (strcmp(known, "empty") != 0 && kind[0] && strcmp(known, kind) != 0)
         return refuse(
-            CLI_BAD_INPUT, p,
-            "is there and another kind of file (%s, not %s); another name, or --force to replace it",
+            p, "is there and another kind of file (%s, not %s); another name, or --force to replace it",
             known[0] ? known : "not one of Saltus", kind);
     /* A table of a sweep's unfinished file can be exported again; that of an interrupted simulation may be
      * all there is. */
     const bool again = !command->kind && strncmp(facts.kind, "trajectory", strlen("trajectory")) != 0;
     const int length = snprintf(journal, sizeof journal, "%s.journal", p->path);
     if ((!facts.complete && !again) || ((size_t)length < sizeof journal && access(journal, F_OK) == 0))
-        return refuse(CLI_BAD_INPUT, p, "holds an interrupted run; %s--force begins anew",
+        return refuse(p, "holds an interrupted run; %s--force begins anew",
                       command->resumes ? "--resume goes on with it, " : "");
     return CLI_DONE;
 }
@@ -94,12 +97,12 @@ static int check_place(const cli_command *command, const cli_request *request, c
     char endings[64], folder[4096] = ".";
     bool there = stat(p->path, &facts) == 0, ends = !p->endings;
     if (there && S_ISDIR(facts.st_mode))
-        return refuse(CLI_FAILED, p, "is a folder, not a file that can be written");
+        return refuse(p, "is a folder, not a file that can be written");
     for (int k = 0; p->endings && p->endings[k]; k++)
         ends = ends || saltus_path_ends(p->path, p->endings[k]);
     if (!ends) {
         list_endings(p->endings, endings);
-        return refuse(CLI_BAD_INPUT, p, "the ending must be %s", endings);
+        return refuse(p, "the ending must be %s", endings);
     }
     const cli_list *over = cli_values(request, "--over");
     const char *from = cli_text(request, "--from"), *input = NULL;
@@ -111,25 +114,25 @@ static int check_place(const cli_command *command, const cli_request *request, c
     if (there && !input && from && is_file(from, &facts))
         input = from;
     if (input)
-        return refuse(CLI_BAD_INPUT, p, "is the same file as the input %s, which would be lost", input);
+        return refuse(p, "is the same file as the input %s, which would be lost", input);
     /* Devices and pipes are written to directly. */
     if (there && !S_ISREG(facts.st_mode))
         return CLI_DONE;
     if (there && access(p->path, W_OK) != 0)
-        return refuse(CLI_FAILED, p, "cannot be written: %s", strerror(errno));
+        return refuse(p, "cannot be written: %s", strerror(errno));
     /* The folder that it is, or will be, in. */
     const char *slash = strrchr(p->path, '/');
     if (slash && (size_t)(slash - p->path) + 1 >= sizeof folder)
-        return refuse(CLI_FAILED, p, "the name is too long");
+        return refuse(p, "the name is too long");
     if (slash)
         snprintf(folder, sizeof folder, "%.*s", (int)(slash > p->path ? slash - p->path : 1), p->path);
     const char *called = slash ? "the folder " : "the current folder", *name = slash ? folder : "";
     if (stat(folder, &facts) != 0)
-        return refuse(CLI_FAILED, p, "%s%s cannot be used: %s", called, name, strerror(errno));
+        return refuse(p, "%s%s cannot be used: %s", called, name, strerror(errno));
     if (!S_ISDIR(facts.st_mode))
-        return refuse(CLI_FAILED, p, "%s is no folder", folder);
+        return refuse(p, "%s is no folder", folder);
     if (access(folder, W_OK | X_OK) != 0)
-        return refuse(CLI_FAILED, p, "in %s%s nothing can be written: %s", called, name, strerror(errno));
+        return refuse(p, "in %s%s nothing can be written: %s", called, name, strerror(errno));
     return check_earlier(command, request, p, there);
 }
 
@@ -152,13 +155,13 @@ static int divert(const cli_command *command, cli_request *request, target *out)
                           command->name, endings);
     }
     if (!ending || strcmp(ending, ".h5") == 0)
-        return refuse(CLI_BAD_INPUT, &p,
+        return refuse(&p,
                       "HDF5 cannot be written to standard output, only to a file that can be gone back in; "
                       "name one");
     if (cli_given(request, "--json"))
-        return refuse(CLI_BAD_INPUT, &p, "--json writes to standard output, too; one of them");
+        return refuse(&p, "--json writes to standard output, too; one of them");
     if (cli_given(request, "--resume"))
-        return refuse(CLI_BAD_INPUT, &p, "--resume needs the file of the interrupted run");
+        return refuse(&p, "--resume needs the file of the interrupted run");
     if (!base || !*base || strlen(base) > sizeof out->folder - 16)
         base = "/tmp";
     snprintf(out->folder, sizeof out->folder, "%s/saltus-XXXXXX", base);
@@ -212,10 +215,10 @@ int target_open(const cli_command *command, cli_request *request, target *out) {
         return code;
     if ((size_t)snprintf(beside, sizeof beside, "%.*s.gp", (int)(strlen(path) - strlen(".h5")), path) >=
         sizeof beside)
-        return refuse(CLI_FAILED, &data, "the name is too long");
+        return refuse(&data, "the name is too long");
     if (stat(path, &one) == 0 && stat(request->output, &other) == 0 && one.st_dev == other.st_dev &&
         one.st_ino == other.st_ino)
-        return refuse(CLI_BAD_INPUT, &data, "is the same file as -o %s", request->output);
+        return refuse(&data, "is the same file as -o %s", request->output);
     return script.path ? CLI_DONE : check_place(command, request, &data_script);
 }
 

@@ -88,7 +88,8 @@ typedef struct saltus_plot_part {
     double low, high;
 } saltus_plot_part;
 
-/* A text at a point of the plane of two parameters, such as n/p in its region. */
+/* A text at a point of a figure, such as n/p in its region: a place in the two parameters, or in the
+ * parameter and what is shown over it, by the word of saltus plot (speed, turning, ...). */
 typedef struct saltus_plot_label {
     char key[2][SALTUS_KEY_MAX];
     double value[2];
@@ -136,6 +137,8 @@ typedef struct saltus_sweep_view {
     saltus_view view;
     const saltus_plot_part *parts; /* ranges of the axes that are shown; owned by the caller */
     int part_count;
+    const saltus_plot_label *labels; /* owned by the caller */
+    int label_count;
     const char *const *branches; /* branch files to overlay: periodic orbits on a diagram, loci on a map;
                                     owned by the caller */
     int branch_count;

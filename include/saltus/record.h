@@ -75,7 +75,8 @@ saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scen
 typedef struct saltus_file_facts {
     /* "branch", "sweep", "basins" or "trajectory" (HDF5 files of Saltus); "sweep table", "sweep impacts
      * table", "branch points table" and the like (CSV of Saltus, by the words of their first line), "script"
-     * (of Saltus, for gnuplot), "picture" (PNG, PDF, SVG), "empty"; "" for any other or unreadable file. */
+     * (of Saltus, for gnuplot), "picture" (PNG, PDF, SVG), "empty", "hdf5" (damaged or cut off); "" for any
+     * other or unreadable file. */
     char kind[32];
     bool hdf5;
     bool locus;    /* the branch is a curve of special points in two parameters */

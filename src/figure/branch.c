@@ -150,19 +150,21 @@ static void find_ranges(saltus_plot_page *page) {
         measure->low = -0.02 * measure->high;
 }
 
-/* Which axes are logarithmic. */
-static saltus_status choose_scales(saltus_plot_page *page, saltus_message *message) {
+/* What the axes show, and which are logarithmic. */
+static saltus_status choose_axes(saltus_plot_page *page, saltus_message *message) {
     const saltus_branch_options *o = &page->files[0].options;
     const saltus_figure_options *look = &page->options->look;
     const char *const keys[2] = {o->key[0], page->locus ? o->key[1] : shown[page->show].word};
-    for (int k = 0; k < 2; k++)
+    for (int k = 0; k < 2; k++) {
+        page->keys[k != page->swap] = keys[k];
         page->logarithmic[k != page->swap] = saltus_plot_logarithmic(look, keys[k]);
+    }
     for (int k = 0; k < look->logarithmic_count; k++)
         if (strcmp(look->logarithmic[k], keys[0]) != 0 && strcmp(look->logarithmic[k], keys[1]) != 0)
             return saltus_fail(message, SALTUS_BAD_INPUT,
                                "logarithmic axis %.40s: the figure shows %s and %s", look->logarithmic[k],
                                keys[0], keys[1]);
-    return SALTUS_OK;
+    return saltus_plot_check_labels(page, message);
 }
 
 /* Whether any point lies in the ranges. A logarithmic axis needs positive values. */
@@ -197,10 +199,12 @@ static saltus_status draw(const saltus_branch_file *files, int count, const salt
                              .count = count,
                              .system = system,
                              .options = options,
+                             .labels = options->labels,
+                             .label_count = options->label_count,
                              .swap = options->look.swap && !locus,
                              .locus = locus};
     choose_measure(&page);
-    status = choose_scales(&page, message);
+    status = choose_axes(&page, message);
     if (status == SALTUS_OK)
         status = saltus_plot_open(&page, message);
     if (status == SALTUS_OK) {
@@ -246,7 +250,7 @@ static saltus_status match_axes(const saltus_branch_file *a, saltus_branch_file 
     return SALTUS_OK;
 }
 
-/* Check that ranges and labels refer to parameters that the figure shows. */
+/* Check that ranges are of parameters that the figure shows. */
 static saltus_status check_options(const saltus_branch_file *file, const saltus_plot_options *options,
                                    saltus_message *message) {
     const saltus_branch_options *o = &file->options;
@@ -260,23 +264,17 @@ static saltus_status check_options(const saltus_branch_file *file, const saltus_
             return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the figure shows %s%s%s",
                                options->parts[k].key, options->parts[k].low, options->parts[k].high,
                                o->key[0], *o->key[1] ? " and " : "", o->key[1]);
-    for (int k = 0; k < options->label_count; k++) {
-        const saltus_plot_label *label = &options->labels[k];
-        if (!is_axis(o, label->key[0]) || !is_axis(o, label->key[1]) ||
-            strcmp(label->key[0], label->key[1]) == 0)
-            return saltus_fail(
-                message, SALTUS_BAD_INPUT,
-                "label %.60s: its place must be in two parameters that the figure shows; it shows %s%s%s",
-                label->text, o->key[0], *o->key[1] ? " and " : "", o->key[1]);
-    }
     return SALTUS_OK;
 }
 
 /* If the first file is a sweep draw it, and set *drawn. */
 static saltus_status draw_sweep(const char *const *paths, int count, const saltus_plot_options *options,
                                 const char *figure, bool *drawn, saltus_message *message) {
-    saltus_sweep_view view = {
-        .parts = options->parts, .part_count = options->part_count, .look = options->look};
+    saltus_sweep_view view = {.parts = options->parts,
+                              .part_count = options->part_count,
+                              .labels = options->labels,
+                              .label_count = options->label_count,
+                              .look = options->look};
     const saltus_file_facts facts = saltus_file_identify(paths[0]);
     *drawn = strcmp(facts.kind, "sweep") == 0 || strcmp(facts.kind, "basins") == 0;
     if (!*drawn)
@@ -284,7 +282,7 @@ static saltus_status draw_sweep(const char *const *paths, int count, const saltu
     if (count > 1)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is a sweep, which is drawn alone or with branches", paths[0]);
-    if (options->show != SALTUS_SHOW_AUTOMATIC || options->label_count)
+    if (options->show != SALTUS_SHOW_AUTOMATIC)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is a sweep; what is shown of it is chosen as a view", paths[0]);
     return saltus_plot_sweep(figure, paths[0], &view, message);

@@ -52,7 +52,10 @@ typedef struct saltus_plot_page {
     bool over_sweep;             /* drawn over a map or a cloud: names get a white ground, loci a white rim */
     bool logarithmic[2];         /* horizontal and vertical axis */
     saltus_show show;
-    const saltus_plot_options *options;
+    const saltus_plot_options *options; /* NULL: drawn over a sweep */
+    const saltus_plot_label *labels;
+    int label_count;
+    const char *keys[2]; /* what the horizontal and the vertical axis show, as a label's place calls it */
     saltus_range x, y;
     saltus_plot_row *rows; /* the points of all files */
     int row_count;
@@ -108,7 +111,9 @@ void saltus_plot_elements(const saltus_plot_page *page);
 double saltus_plot_legend(const saltus_plot_page *page, double width, bool put);
 /* branch_data.c: the datablocks $curve_HUE_STROKE, $marks_KIND and, for loci, $signs_HUE. */
 bool saltus_plot_data(const saltus_plot_page *page);
-/* branch_labels.c: names of regions, n/p along the branches and names of special points, as gnuplot labels.
+/* branch_labels.c: check that the labels asked for have their places in what the axes show. */
+saltus_status saltus_plot_check_labels(const saltus_plot_page *page, saltus_message *message);
+/* Names of regions, n/p along the branches and names of special points, as gnuplot labels.
  * If `block` is not NULL it is called with the frame of each name, mark and curve, in units from the panel's
  * lower left corner. */
 typedef void saltus_plot_block(void *context, saltus_frame taken);

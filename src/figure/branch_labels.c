@@ -43,6 +43,7 @@ typedef struct places {
     const saltus_plot_row *unnamed[places_max];
     stretch unnamed_stretch[places_max], named_stretch[places_max];
     int unnamed_count, unnamed_stretch_count, named_stretch_count;
+    int beyond; /* labels whose places are beyond the axes */
 } places;
 
 static place place_at(const saltus_plot_page *page, double x, double y) {
@@ -580,25 +581,38 @@ static bool find_in_region(const places *all, place *word) {
     return false;
 }
 
+saltus_status saltus_plot_check_labels(const saltus_plot_page *page, saltus_message *message) {
+    for (int k = 0; k < page->label_count; k++) {
+        const saltus_plot_label *label = &page->labels[k];
+        const bool turned = strcmp(label->key[0], page->keys[0]) != 0;
+        if (strcmp(label->key[turned], page->keys[0]) != 0 || strcmp(label->key[!turned], page->keys[1]) != 0)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "label %.60s: its place must be in what the figure shows, %s and %s",
+                               label->text, page->keys[page->swap], page->keys[!page->swap]);
+    }
+    return SALTUS_OK;
+}
+
 /* The labels requested by the caller, in larger type than the other names. One that lies on a curve where the
- * region has no room for it gets a white ground. */
+ * region has no room for it, or over a map or a cloud, gets a white ground. */
 static void name_regions(places *all) {
     const saltus_plot_page *page = all->page;
     const double size = saltus_page_narrow(page->paper) ? 12 : 17, bold = 1.15;
-    const char *first = page->files[0].options.key[0];
-    for (int k = 0; k < page->options->label_count; k++) {
-        const saltus_plot_label *label = &page->options->labels[k];
-        bool turned = strcmp(label->key[0], first) != 0;
+    for (int k = 0; k < page->label_count; k++) {
+        const saltus_plot_label *label = &page->labels[k];
+        const bool turned = strcmp(label->key[0], page->keys[0]) != 0;
         double x = label->value[turned], y = label->value[!turned];
         saltus_line line = {.length = 0};
         place where = place_at(page, x, y);
         saltus_line_plain(&line, label->text);
         where.half_width = 0.5 * saltus_page_width(line.text, bold * size) / word_height;
         where.half_height = 0.035 * size;
-        if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
+        if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high) {
+            all->beyond++;
             continue;
+        }
         const bool clear = find_in_region(all, &where);
-        put_name(all, &line, where, !clear, "#101010", ":Bold", size);
+        put_name(all, &line, where, !clear || page->over_sweep, "#101010", ":Bold", size);
     }
 }
 
@@ -636,8 +650,8 @@ static int below_axis(const saltus_plot_page *page) {
     return below;
 }
 
-/* Say above the panel how many numbers are not on its axis and how many marks, and stretches longer than a
- * name, have no name: the marks by their kinds, if that is short enough. */
+/* Say above the panel how many numbers and labels are not on its axes and how many marks, and stretches
+ * longer than a name, have no name: the marks by their kinds, if that is short enough. */
 static void put_note(const places *all) {
     const saltus_plot_page *page = all->page;
     const double size = 9, type = saltus_page_type(page->paper, size), above = 10, least = 2;
@@ -650,9 +664,11 @@ static void put_note(const places *all) {
     for (int kinds = 1; kinds >= 0; kinds--) {
         line.length = 0;
         if (below)
-            saltus_line_add(&line, "at or below 0, so not shown: %d%s", below, unnamed ? ";  " : "");
+            saltus_line_add(&line, "at or below 0, so not shown: %d", below);
+        if (all->beyond)
+            saltus_line_add(saltus_line_next(&line), "labels beyond the axes: %d", all->beyond);
         if (unnamed)
-            saltus_line_add(&line, "no room to name:");
+            saltus_line_add(saltus_line_next(&line), "no room to name:");
         for (int kind = SALTUS_POINT_LP, first = 1; kind < SALTUS_POINT_KINDS && kinds; kind++) {
             int count = 0;
             for (int k = 0; k < all->unnamed_count; k++)
@@ -669,7 +685,7 @@ static void put_note(const places *all) {
         if (saltus_page_width(line.text, type) < page->frame.right - page->frame.left)
             break;
     }
-    if (below || unnamed)
+    if (line.length)
         saltus_page_label(page->paper, line.text, page->frame.right, page->frame.top + above,
                           "right front font ',%.4g' tc rgb '#606060'", type);
 }

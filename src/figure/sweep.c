@@ -197,18 +197,25 @@ static saltus_status check_branch(const saltus_sweep_page *page, saltus_branch_f
     return SALTUS_OK;
 }
 
-/* Read the branch files and draw them with the sweep; their vertical coordinate follows the view. */
-static saltus_status draw_over(saltus_sweep_page *page, const char *figure, saltus_message *message) {
+/* What is drawn over the sweep: labels and, from their files, branches, whose vertical coordinate follows the
+ * view. `files` receives the files read, *read their number. */
+static saltus_status open_over(saltus_sweep_page *page, saltus_branch_file *files, int *read,
+                               saltus_message *message) {
     static const saltus_show shows[SALTUS_VIEW_SETTLED + 1] = {[SALTUS_VIEW_IMPACTS] = SALTUS_SHOW_IMPACTS,
                                                                [SALTUS_VIEW_SPEED] = SALTUS_SHOW_SPEED,
                                                                [SALTUS_VIEW_STROBOSCOPIC] =
                                                                    SALTUS_SHOW_DISPLACEMENT};
-    const saltus_plot_options no_labels = {.label_count = 0};
     const saltus_range any = {-INFINITY, INFINITY};
+    const saltus_sweep_view *wish = page->wish;
     const bool two = page->sweep->axis_count > 1;
-    saltus_plot_page curves = {.paper = &page->paper,
+    const char *const measure = two ? page->y.key : saltus_view_word(page->view);
+    saltus_plot_page *over = &page->over;
+    *over = (saltus_plot_page){.paper = &page->paper,
                                .system = page->system,
-                               .options = &no_labels,
+                               .files = files,
+                               .count = wish->branch_count,
+                               .labels = wish->labels,
+                               .label_count = wish->label_count,
                                .locus = two,
                                .over_sweep = true,
                                .show = shows[page->view],
@@ -216,39 +223,28 @@ static saltus_status draw_over(saltus_sweep_page *page, const char *figure, salt
                                .swap = page->swap,
                                .x = any,
                                .y = two ? page->y.range : any};
-    *(page->swap ? &curves.y : &curves.x) = page->x.range;
-    curves.logarithmic[page->swap] = page->x.logarithmic;
-    curves.logarithmic[!page->swap] = two ? page->y.logarithmic : page->logarithmic;
-    int count = page->wish->branch_count, read = 0;
+    *(page->swap ? &over->y : &over->x) = page->x.range;
+    over->keys[page->swap] = page->x.key;
+    over->keys[!page->swap] = measure;
+    over->logarithmic[page->swap] = page->x.logarithmic;
+    over->logarithmic[!page->swap] = two ? page->y.logarithmic : page->logarithmic;
+    saltus_status status = saltus_plot_check_labels(over, message);
+    if (status != SALTUS_OK || !over->count)
+        return status;
     if (page->sweep->basins)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: nothing is drawn over basins of attraction",
                            page->path);
-    if (!two && !curves.turning && curves.show == SALTUS_SHOW_AUTOMATIC)
+    if (!two && !over->turning && over->show == SALTUS_SHOW_AUTOMATIC)
         return saltus_fail(
             message, SALTUS_BAD_INPUT,
             "%.200s: branches can be drawn over the views turning, impacts, speed and stroboscopic, not %s",
-            page->path, saltus_view_word(page->view));
-    saltus_branch_file *files = calloc((size_t)count, sizeof *files);
-    if (!files)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d branch files", count);
-    saltus_status status = SALTUS_OK;
-    for (; read < count && status == SALTUS_OK; read++) {
-        status = saltus_branch_file_read(page->wish->branches[read], &files[read], message);
+            page->path, measure);
+    for (; *read < over->count && status == SALTUS_OK; ++*read) {
+        status = saltus_branch_file_read(wish->branches[*read], &files[*read], message);
         if (status == SALTUS_OK)
-            status = check_branch(page, &files[read], page->wish->branches[read], message);
+            status = check_branch(page, &files[*read], wish->branches[*read], message);
     }
-    curves.files = files;
-    curves.count = count;
-    page->branches = &curves;
-    if (status == SALTUS_OK)
-        status = saltus_plot_open(&curves, message);
-    if (status == SALTUS_OK)
-        status = draw_page(page, figure, message);
-    saltus_plot_close(&curves);
-    for (int k = 0; k < read; k++)
-        saltus_branch_file_clear(&files[k]);
-    free(files);
-    return status;
+    return status == SALTUS_OK ? saltus_plot_open(over, message) : status;
 }
 
 saltus_status saltus_plot_sweep(const char *figure, const char *path, const saltus_sweep_view *view,
@@ -279,8 +275,18 @@ saltus_status saltus_plot_sweep(const char *figure, const char *path, const salt
         status = open_axes(&page, message);
     if (status == SALTUS_OK)
         status = open_observers(&page, message);
+    saltus_branch_file *files = calloc((size_t)view->branch_count + 1, sizeof *files);
+    int read = 0;
+    if (!files && status == SALTUS_OK)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d branch files", view->branch_count);
     if (status == SALTUS_OK)
-        status = view->branch_count ? draw_over(&page, figure, message) : draw_page(&page, figure, message);
+        status = open_over(&page, files, &read, message);
+    if (status == SALTUS_OK)
+        status = draw_page(&page, figure, message);
+    saltus_plot_close(&page.over);
+    for (int k = 0; k < read; k++)
+        saltus_branch_file_clear(&files[k]);
+    free(files);
     saltus_cells_close(&page.x);
     saltus_cells_close(&page.y);
     saltus_classes_close(&page.classes);

@@ -84,7 +84,7 @@ typedef struct saltus_sweep_page {
     int observer_count;
     saltus_classes classes;
     saltus_frame frame;
-    saltus_plot_page *branches; /* drawn over the figure; NULL: none */
+    saltus_plot_page over; /* branches, of no or some files, and labels drawn over the figure */
 } saltus_sweep_page;
 
 /* The word of a view in --view. */

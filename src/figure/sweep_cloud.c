@@ -20,7 +20,7 @@ static pass_look look_of(const saltus_sweep_page *page, int pass) {
                                                    [SALTUS_PASS_DOWN] = {0xe0661c, "downwards"}};
     pass_look look = looks[page->sweep->passes[pass]];
     if (page->sweep->pass_count == 1)
-        look.colour = page->branches ? 0x8a93a0 : 0x14273d;
+        look.colour = page->over.count ? 0x8a93a0 : 0x14273d;
     return look;
 }
 
@@ -131,15 +131,15 @@ static bool limits(const saltus_sweep_page *page, saltus_face face) {
 
 static saltus_status find_range(saltus_sweep_page *page, saltus_message *message) {
     saltus_range found = {INFINITY, -INFINITY};
-    page->sides = page->view == SALTUS_VIEW_IMPACTS && !page->branches && two_sided(page);
+    page->sides = page->view == SALTUS_VIEW_IMPACTS && !page->over.count && two_sided(page);
     for (int pass = 0; pass < page->sweep->pass_count; pass++)
         for (walk w = walk_of(page, pass); next_point(page, &w); page->shown++)
             if (!page->logarithmic || w.value > 0)
                 saltus_range_add(&found, w.value);
             else
                 page->below++;
-    if (page->branches) { /* also include the branches drawn over the cloud */
-        const saltus_range curves = saltus_plot_range(page->branches, true);
+    if (page->over.count) { /* also include the branches drawn over the cloud */
+        const saltus_range curves = saltus_plot_range(&page->over, true);
         saltus_range_add(&found, curves.low);
         saltus_range_add(&found, curves.high);
     }
@@ -189,17 +189,28 @@ static void put_points(const saltus_sweep_page *page) {
     }
 }
 
-/* One number per trajectory, joined to the neighbour if both are of one class. */
+/* Whether a periodic motion resembles the mirror image of another more than the motion itself: two attractors
+ * that are mirror images of each other, met by turns, are not one that changes. */
+static bool mirrored(const saltus_sweep_row *a, const saltus_sweep_row *b) {
+    return a->verdict == SALTUS_PERIODIC &&
+           fabs(a->largest + b->smallest) + fabs(a->smallest + b->largest) <
+               0.5 * (fabs(a->largest - b->largest) + fabs(a->smallest - b->smallest));
+}
+
+/* One number per trajectory, joined to the neighbour if both are of one class and, where displacements are
+ * shown, of one side. */
 static void put_links(const saltus_sweep_page *page) {
     for (int pass = 0; pass < page->sweep->pass_count; pass++) {
-        int last = -1;
+        const saltus_sweep_row *rows = page->sweep->rows;
+        long long before = -1; /* the row of the neighbour; -1: it has no number */
         fprintf(page->paper.file, "$links_%d << EOD\n# parameter, measure\nNaN NaN\n", pass);
         for (int cell = 0; cell < page->x.count; cell++) {
             long long row = row_of(page, pass, cell);
             double y = cloud_value(page, row, 0);
-            if (page->classes.of_row[row] != last || isnan(y))
+            if (isnan(y) || before < 0 || page->classes.of_row[row] != page->classes.of_row[before] ||
+                (page->view == SALTUS_VIEW_LARGEST && mirrored(&rows[row], &rows[before])))
                 fputc('\n', page->paper.file);
-            last = isnan(y) ? -1 : page->classes.of_row[row];
+            before = isnan(y) ? -1 : row;
             if (!isnan(y))
                 fprintf(page->paper.file, "%.9g %.7g\n", axis_value(page, cell), y);
         }
@@ -514,8 +525,8 @@ static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters
     if (page->view == SALTUS_VIEW_LYAPUNOV)
         put_exponent_elements(page, dense);
     put_cloud_elements(page, rasters, dense);
-    if (page->branches)
-        saltus_plot_elements(page->branches);
+    if (page->over.count)
+        saltus_plot_elements(&page->over);
     else
         fputs("     NaN notitle\n", file);
     for (int k = 0; k < page->sweep->pass_count && dense; k++)
@@ -556,8 +567,8 @@ static double legend_height(const saltus_sweep_page *page) {
 static bool place_frames(saltus_sweep_page *page, saltus_frame *strip) {
     const double band = 20, apart = 7, above = page->sweep->pass_count > 1 ? 42 : 6;
     page->frame = whole_frame(page, 26.4);
-    if (page->branches)
-        page->frame.top -= saltus_plot_legend(page->branches, page->frame.right - page->frame.left, true);
+    if (page->over.count)
+        page->frame.top -= saltus_plot_legend(&page->over, page->frame.right - page->frame.left, true);
     else if (page->sweep->pass_count > 1) {
         saltus_page_legend(&page->paper, pass_rows(page));
         page->frame.top -= 3 + 19 * pass_rows(page);
@@ -584,8 +595,8 @@ static bool choose_height(saltus_sweep_page *page) {
     page->frame = whole_frame(page, 0);
     const double height = saltus_sweep_put_strip_legend(page, page->frame, 0, false);
     page->paper.height += height + 19 * (pass_rows(page) - 1);
-    if (page->branches)
-        page->paper.height += saltus_plot_legend(page->branches, page->frame.right - page->frame.left, false);
+    if (page->over.count)
+        page->paper.height += saltus_plot_legend(&page->over, page->frame.right - page->frame.left, false);
     return height >= 0;
 }
 
@@ -608,15 +619,13 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         put_points(page);
     if (linked(page, dense))
         put_links(page);
-    if (page->branches)
-        *(page->swap ? &page->branches->x : &page->branches->y) = page->up;
+    *(page->swap ? &page->over.x : &page->over.y) = page->up;
     fputs("set multiplot\n", file);
     saltus_page_caption(&page->paper);
     sound = sound && place_frames(page, &strip);
-    if (page->branches) {
-        page->branches->frame = page->frame;
-        sound = saltus_plot_data(page->branches) && sound;
-    }
+    page->over.frame = page->frame;
+    if (page->over.count)
+        sound = saltus_plot_data(&page->over) && sound;
     if (page->view == SALTUS_VIEW_LYAPUNOV)
         put_exponents(page, dense);
     if (dense)
@@ -628,8 +637,7 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         saltus_page_axis(&page->paper, page->swap ? "x" : "y", page->frame, page->logarithmic, name.text,
                          page->up);
         fputs(page->swap ? "unset ylabel\nset format y ''\n" : "unset xlabel\nset format x ''\n", file);
-        if (page->branches)
-            saltus_plot_labels(page->branches, NULL, NULL);
+        saltus_plot_labels(&page->over, NULL, NULL);
         put_plot(page, rasters, dense);
         saltus_page_template(&page->paper, "close");
         sound = saltus_sweep_put_strip(page, strip);

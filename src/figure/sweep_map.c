@@ -247,8 +247,7 @@ static bool put_names(const saltus_sweep_map *map) {
             int column = (2 * x + 1) * step * fineness / 2, row = (2 * y + 1) * step * fineness / 2;
             at.kind[y * columns + x] = kind_at(map, map->columns[column], map->rows[row], &point);
         }
-    if (map->page->branches)
-        saltus_plot_labels(map->page->branches, at.kind ? block : NULL, &at);
+    saltus_plot_labels(&map->page->over, at.kind ? block : NULL, &at);
     bool sound = !named || (at.kind && name_regions(map->page, map->kinds, at.kind, columns, rows));
     free(at.kind);
     return sound;
@@ -419,9 +418,9 @@ static bool put_panel(saltus_sweep_map *map) {
     saltus_raster_element(file, &map->raster, "x2y2");
     if (page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins)
         put_orbit_elements(map);
-    if (page->branches) {
+    if (page->over.count) {
         fputs(", \\\n", file);
-        saltus_plot_elements(page->branches);
+        saltus_plot_elements(&page->over);
     } else
         fputs(", NaN notitle\n", file);
     saltus_raster_bytes(file, &map->raster);
@@ -502,8 +501,8 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
                                                                               : 410);
     if (paper->free_height) {
         paper->height += below;
-        if (page->branches)
-            paper->height += saltus_plot_legend(page->branches, right - left, false);
+        if (page->over.count)
+            paper->height += saltus_plot_legend(&page->over, right - left, false);
     }
     saltus_sweep_caption(page);
     saltus_page_begin(paper);
@@ -515,11 +514,11 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     page->frame.left = left;
     page->frame.right = right;
     page->frame.bottom += narrow ? below : 2.4;
-    if (page->branches) {
-        page->frame.top -= saltus_plot_legend(page->branches, right - left, true);
-        page->branches->frame = page->frame;
-        sound = saltus_plot_data(page->branches) && sound;
-    }
+    if (page->over.count)
+        page->frame.top -= saltus_plot_legend(&page->over, right - left, true);
+    page->over.frame = page->frame;
+    if (page->over.count)
+        sound = saltus_plot_data(&page->over) && sound;
     sound = sound && paint(&map) && put_panel(&map) && (map.kind || put_bar(&map));
     fputs("unset multiplot\n", page->paper.file);
     saltus_raster_close(&map.raster);
