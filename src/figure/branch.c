@@ -119,35 +119,53 @@ static void pad(saltus_range *range, bool logarithmic, double part, double scale
     *range = (saltus_range){range->low / factor, range->high * factor};
 }
 
-static void find_ranges(saltus_plot_page *page) {
+/* The ranges of the axes, in which there must be points; a logarithmic axis needs positive values. */
+static saltus_status find_ranges(saltus_plot_page *page, saltus_message *message) {
     const saltus_branch_options *o = &page->files[0].options;
     const saltus_plot_options *wish = page->options;
-    bool speeds = !page->locus && (page->show == SALTUS_SHOW_SPEED || page->show == SALTUS_SHOW_IMPACTS);
-    saltus_range *ranges[2] = {page->swap ? &page->y : &page->x, page->swap ? &page->x : &page->y},
-                 *measure = ranges[1];
-    bool log_measure = page->logarithmic[!page->swap], asked[2] = {false, false};
+    const bool speeds =
+                   !page->locus && (page->show == SALTUS_SHOW_SPEED || page->show == SALTUS_SHOW_IMPACTS),
+               log_measure = page->logarithmic[!page->swap];
+    saltus_range *first = page->swap ? &page->y : &page->x, *measure = page->swap ? &page->x : &page->y;
     page->x = page->y = (saltus_range){-INFINITY, INFINITY};
-    for (int axis = 0; axis < 1 + page->locus; axis++) {
-        const saltus_plot_part *part = saltus_plot_part_of(wish->parts, wish->part_count, o->key[axis]);
-        asked[axis] = part != NULL;
-        if (part)
-            *ranges[axis] = (saltus_range){part->low, part->high};
+    const saltus_plot_part *along = saltus_plot_part_of(wish->parts, wish->part_count, o->key[0]),
+                           *up = page->locus ? saltus_plot_part_of(wish->parts, wish->part_count, o->key[1])
+                                             : NULL;
+    if (along)
+        *first = (saltus_range){along->low, along->high};
+    if (up)
+        *measure = (saltus_range){up->low, up->high};
+    if (!along) {
+        *first = saltus_plot_range(page, false);
+        pad(first, page->logarithmic[page->swap], 0.03, 1e-3 * (o->high[0] - o->low[0]));
     }
-    if (!asked[0]) {
-        *ranges[0] = saltus_plot_range(page, false);
-        pad(ranges[0], page->logarithmic[page->swap], 0.03, 1e-3 * (o->high[0] - o->low[0]));
+    if (!up) {
+        *measure = saltus_plot_range(page, true);
+        if (log_measure && !page->locus)
+            saltus_range_floor(measure);
+        if (speeds && !log_measure && measure->low < 0.4 * measure->high)
+            saltus_range_add(measure, 0);
+        pad(measure, log_measure, 0.07,
+            page->locus ? 1e-3 * (o->high[1] - o->low[1])
+                        : 1e-3 * fmax(fabs(measure->high), fabs(measure->low)));
+        if (speeds && measure->low < 0)
+            measure->low = -0.02 * measure->high;
     }
-    if (asked[1])
-        return;
-    *measure = saltus_plot_range(page, true);
-    if (log_measure && !page->locus)
-        saltus_range_floor(measure);
-    if (speeds && !log_measure && measure->low < 0.4 * measure->high)
-        saltus_range_add(measure, 0);
-    pad(measure, log_measure, 0.07,
-        page->locus ? 1e-3 * (o->high[1] - o->low[1]) : 1e-3 * fmax(fabs(measure->high), fabs(measure->low)));
-    if (speeds && measure->low < 0)
-        measure->low = -0.02 * measure->high;
+    bool any = false;
+    for (int k = 0; k < page->row_count; k++)
+        any = any || saltus_plot_shown(page, &page->rows[k]);
+    if (!any && page->locus)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g, %s = %g to %g",
+                           o->key[0], page->x.low, page->x.high, o->key[1], page->y.low, page->y.high);
+    if (!any)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g", o->key[0],
+                           first->low, first->high);
+    const saltus_range ranges[2] = {page->x, page->y};
+    for (int axis = 0; axis < 2; axis++)
+        if (page->logarithmic[axis] &&
+            !(ranges[axis].low > 0 && ranges[axis].low < ranges[axis].high && ranges[axis].high < INFINITY))
+            return saltus_fail(message, SALTUS_BAD_INPUT, "a logarithmic axis needs positive values");
+    return SALTUS_OK;
 }
 
 /* What the axes show, and which are logarithmic. */
@@ -165,26 +183,6 @@ static saltus_status choose_axes(saltus_plot_page *page, saltus_message *message
                                "logarithmic axis %.40s: the figure shows %s and %s", look->logarithmic[k],
                                keys[0], keys[1]);
     return saltus_plot_check_labels(page, message);
-}
-
-/* Whether any point lies in the ranges. A logarithmic axis needs positive values. */
-static saltus_status check_ranges(const saltus_plot_page *page, saltus_message *message) {
-    const saltus_branch_options *o = &page->files[0].options;
-    const saltus_range ranges[2] = {page->x, page->y}, first = ranges[page->swap];
-    bool any = false;
-    for (int k = 0; k < page->row_count; k++)
-        any = any || saltus_plot_shown(page, &page->rows[k]);
-    if (!any && page->locus)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g, %s = %g to %g",
-                           o->key[0], page->x.low, page->x.high, o->key[1], page->y.low, page->y.high);
-    if (!any)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g", o->key[0],
-                           first.low, first.high);
-    for (int axis = 0; axis < 2; axis++)
-        if (page->logarithmic[axis] &&
-            !(ranges[axis].low > 0 && ranges[axis].low < ranges[axis].high && ranges[axis].high < INFINITY))
-            return saltus_fail(message, SALTUS_BAD_INPUT, "a logarithmic axis needs positive values");
-    return SALTUS_OK;
 }
 
 static saltus_status draw(const saltus_branch_file *files, int count, const saltus_plot_options *options,
@@ -207,10 +205,8 @@ static saltus_status draw(const saltus_branch_file *files, int count, const salt
     status = choose_axes(&page, message);
     if (status == SALTUS_OK)
         status = saltus_plot_open(&page, message);
-    if (status == SALTUS_OK) {
-        find_ranges(&page);
-        status = check_ranges(&page, message);
-    }
+    if (status == SALTUS_OK)
+        status = find_ranges(&page, message);
     if (status == SALTUS_OK)
         status = saltus_page_open(&paper, figure, &options->look, message);
     if (status == SALTUS_OK) {
@@ -250,35 +246,13 @@ static saltus_status match_axes(const saltus_branch_file *a, saltus_branch_file 
     return SALTUS_OK;
 }
 
-/* Check that ranges are of parameters that the figure shows. */
-static saltus_status check_options(const saltus_branch_file *file, const saltus_plot_options *options,
-                                   saltus_message *message) {
-    const saltus_branch_options *o = &file->options;
-    if (o->locus != SALTUS_POINT_REGULAR && options->show != SALTUS_SHOW_AUTOMATIC)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "the figure shows curves of special points in %s and %s; what is shown of orbits "
-                           "is chosen for branches over one parameter",
-                           o->key[0], o->key[1]);
-    for (int k = 0; k < options->part_count; k++)
-        if (!is_axis(o, options->parts[k].key))
-            return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the figure shows %s%s%s",
-                               options->parts[k].key, options->parts[k].low, options->parts[k].high,
-                               o->key[0], *o->key[1] ? " and " : "", o->key[1]);
-    return SALTUS_OK;
-}
-
-/* If the first file is a sweep draw it, and set *drawn. */
 static saltus_status draw_sweep(const char *const *paths, int count, const saltus_plot_options *options,
-                                const char *figure, bool *drawn, saltus_message *message) {
-    saltus_sweep_view view = {.parts = options->parts,
-                              .part_count = options->part_count,
-                              .labels = options->labels,
-                              .label_count = options->label_count,
-                              .look = options->look};
-    const saltus_file_facts facts = saltus_file_identify(paths[0]);
-    *drawn = strcmp(facts.kind, "sweep") == 0 || strcmp(facts.kind, "basins") == 0;
-    if (!*drawn)
-        return SALTUS_OK;
+                                const char *figure, saltus_message *message) {
+    const saltus_sweep_view view = {.parts = options->parts,
+                                    .part_count = options->part_count,
+                                    .labels = options->labels,
+                                    .label_count = options->label_count,
+                                    .look = options->look};
     if (count > 1)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is a sweep, which is drawn alone or with branches", paths[0]);
@@ -290,16 +264,15 @@ static saltus_status draw_sweep(const char *const *paths, int count, const saltu
 
 saltus_status saltus_plot(const char *figure, const char *const *paths, int count,
                           const saltus_plot_options *options, saltus_message *message) {
-    bool sweep;
     int read = 0;
     saltus_status status = saltus_figure_check(figure, &options->look, message);
     if (status != SALTUS_OK)
         return status;
     if (count < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "there is no file to draw");
-    status = draw_sweep(paths, count, options, figure, &sweep, message);
-    if (sweep)
-        return status;
+    const saltus_file_facts facts = saltus_file_identify(paths[0]);
+    if (strcmp(facts.kind, "sweep") == 0 || strcmp(facts.kind, "basins") == 0)
+        return draw_sweep(paths, count, options, figure, message);
     saltus_branch_file *files = calloc((size_t)count, sizeof *files);
     if (!files)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d branch files", count);
@@ -310,8 +283,19 @@ saltus_status saltus_plot(const char *figure, const char *const *paths, int coun
         if (status == SALTUS_OK)
             status = match_axes(&files[0], &files[read], paths[read], message);
     }
-    if (status == SALTUS_OK)
-        status = check_options(&files[0], options, message);
+    /* What is asked for must be of parameters that the figure shows. */
+    const saltus_branch_options *o = &files[0].options;
+    if (status == SALTUS_OK && o->locus != SALTUS_POINT_REGULAR && options->show != SALTUS_SHOW_AUTOMATIC)
+        status =
+            saltus_fail(message, SALTUS_BAD_INPUT,
+                        "the figure shows curves of special points in %s and %s; what is shown of orbits "
+                        "is chosen for branches over one parameter",
+                        o->key[0], o->key[1]);
+    for (int k = 0; k < options->part_count && status == SALTUS_OK; k++)
+        if (!is_axis(o, options->parts[k].key))
+            status = saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the figure shows %s%s%s",
+                                 options->parts[k].key, options->parts[k].low, options->parts[k].high,
+                                 o->key[0], *o->key[1] ? " and " : "", o->key[1]);
     if (status == SALTUS_OK)
         status = draw(files, count, options, figure, message);
     for (int k = 0; k < read; k++)

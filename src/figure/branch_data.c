@@ -185,30 +185,8 @@ static void put_curve(const saltus_plot_page *page, const saltus_plot_row *row, 
     }
 }
 
-/* Signs along loci at equal distances on the page, so that kinds differ not only by hue. */
-static void put_signs(const saltus_plot_page *page, int hue) {
-    const double apart = 130; /* units */
-    double passed = 0;
-    fprintf(page->paper->file, "$signs_%d << EOD\n# parameters\nNaN NaN\n", hue);
-    for (int k = 0; k < page->row_count; k++) {
-        const saltus_plot_row *row = &page->rows[k];
-        double a[2], b[2];
-        if (k == 0 || row->file != row[-1].file)
-            passed = 0.5 * apart;
-        if (k == 0 || !row[-1].joined || row->hue != hue || !saltus_plot_shown(page, row))
-            continue;
-        saltus_plot_place(page, row[-1].x, row[-1].y, a);
-        saltus_plot_place(page, row->x, row->y, b);
-        passed += hypot(b[0] - a[0], b[1] - a[1]);
-        if (passed < apart || row->marked)
-            continue;
-        fprintf(page->paper->file, "%.12g %.9g\n", row->x, row->y);
-        passed = 0;
-    }
-    fputs("EOD\n", page->paper->file);
-}
-
 bool saltus_plot_data(const saltus_plot_page *page) {
+    const double apart = 130; /* units between signs */
     FILE *file = page->paper->file;
     curve_point *p = calloc((size_t)page->row_count + 1, sizeof *p);
     const bool sound = p != NULL;
@@ -221,8 +199,27 @@ bool saltus_plot_data(const saltus_plot_page *page) {
                         put_curve(page, &page->rows[k], v, (saltus_stroke)stroke, p);
             fputs("\nEOD\n", file);
         }
-        if (page->locus)
-            put_signs(page, hue);
+        /* Signs along loci at equal distances on the page, so that kinds differ not only by hue. */
+        double passed = 0;
+        if (!page->locus)
+            continue;
+        fprintf(file, "$signs_%d << EOD\n# parameters\nNaN NaN\n", hue);
+        for (int k = 0; k < page->row_count; k++) {
+            const saltus_plot_row *row = &page->rows[k];
+            double a[2], b[2];
+            if (k == 0 || row->file != row[-1].file)
+                passed = 0.5 * apart;
+            if (k == 0 || !row[-1].joined || row->hue != hue || !saltus_plot_shown(page, row))
+                continue;
+            saltus_plot_place(page, row[-1].x, row[-1].y, a);
+            saltus_plot_place(page, row->x, row->y, b);
+            passed += hypot(b[0] - a[0], b[1] - a[1]);
+            if (passed < apart || row->marked)
+                continue;
+            fprintf(file, "%.12g %.9g\n", row->x, row->y);
+            passed = 0;
+        }
+        fputs("EOD\n", file);
     }
     free(p);
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++) {

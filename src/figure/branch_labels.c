@@ -354,28 +354,6 @@ static bool find_led(const places *all, const naming *n, place *found) {
  * cross curves. */
 typedef enum joint { BESIDE, LED, LED_ACROSS } joint;
 
-/* Name a special point; false if there is no place. */
-static bool name_point(places *all, const saltus_plot_row *row, joint how) {
-    const saltus_plot_page *page = all->page;
-    const saltus_point_kind kind = row->point->kind;
-    const char *word = saltus_point_word(kind);
-    naming n = {.row = row,
-                .own = place_of(page, row),
-                .word = word_of(page, word, 10, page->over_sweep),
-                .across = how == LED_ACROSS};
-    place found;
-    saltus_line line = {.length = 0};
-    if (kind == SALTUS_POINT_UZ || kind == SALTUS_POINT_EP || named_already(page, row))
-        return true;
-    n.own.half_width = n.own.half_height = mark_radius;
-    if (!(how == BESIDE ? find_beside : find_led)(all, &n, &found))
-        return false;
-    saltus_line_plain(&line, word);
-    put_name(all, &line, found, page->over_sweep, page->over_sweep ? "#202020" : "#303030", "",
-             saltus_page_type(page->paper, 10));
-    return true;
-}
-
 /* The place of the visit of a row with the largest value, or the smallest; the row has visits. */
 static place outer_place(const saltus_plot_page *page, int row, bool smallest) {
     const double sign = smallest ? -1 : 1;
@@ -616,16 +594,35 @@ static void name_regions(places *all) {
     }
 }
 
-/* Try to name the first `most` points, or once more stretches, of those without a name; stretches that go on
- * from one with a name need none. */
+/* Try to name the first `most` points of those without a name. */
 static void name_points(places *all, joint how, int most) {
+    const saltus_plot_page *page = all->page;
     const int count = all->unnamed_count;
     all->unnamed_count = 0;
-    for (int k = 0; k < count; k++)
-        if (k >= most || !name_point(all, all->unnamed[k], how))
-            all->unnamed[all->unnamed_count++] = all->unnamed[k];
+    for (int k = 0; k < count; k++) {
+        const saltus_plot_row *row = all->unnamed[k];
+        const saltus_point_kind kind = row->point->kind;
+        const char *word = saltus_point_word(kind);
+        naming n = {.row = row,
+                    .own = place_of(page, row),
+                    .word = word_of(page, word, 10, page->over_sweep),
+                    .across = how == LED_ACROSS};
+        place found;
+        saltus_line line = {.length = 0};
+        if (kind == SALTUS_POINT_UZ || kind == SALTUS_POINT_EP || named_already(page, row))
+            continue;
+        n.own.half_width = n.own.half_height = mark_radius;
+        if (k >= most || !(how == BESIDE ? find_beside : find_led)(all, &n, &found)) {
+            all->unnamed[all->unnamed_count++] = row;
+            continue;
+        }
+        saltus_line_plain(&line, word);
+        put_name(all, &line, found, page->over_sweep, page->over_sweep ? "#202020" : "#303030", "",
+                 saltus_page_type(page->paper, 10));
+    }
 }
 
+/* The same once more for stretches; those that go on from one with a name need none. */
 static void name_stretches_again(places *all, int most) {
     const int count = all->unnamed_stretch_count;
     all->unnamed_stretch_count = 0;
@@ -636,28 +633,19 @@ static void name_stretches_again(places *all, int most) {
     }
 }
 
-/* How many numbers shown of branches a logarithmic axis does not reach. */
-static int below_axis(const saltus_plot_page *page) {
-    int below = 0;
-    for (int k = 0; k < page->row_count && page->logarithmic[!page->swap] && !page->locus; k++) {
-        const saltus_plot_row *row = &page->rows[k];
-        if (!saltus_plot_measured(page, row))
-            continue;
-        for (int v = 0; v < row->count; v++)
-            below += !(row->visits[v].value > 0);
-        below += row->count == 0 && !((page->swap ? row->x : row->y) > 0);
-    }
-    return below;
-}
-
 /* Say above the panel how many numbers and labels are not on its axes and how many marks, and stretches
  * longer than a name, have no name: the marks by their kinds, if that is short enough. */
 static void put_note(const places *all) {
     const saltus_plot_page *page = all->page;
     const double size = 9, type = saltus_page_type(page->paper, size), above = 10, least = 2;
-    const int below = below_axis(page);
-    int stretches = 0;
+    int below = 0, stretches = 0;
     saltus_line line = {.length = 0};
+    for (int k = 0; k < page->row_count && page->logarithmic[!page->swap] && !page->locus; k++) {
+        const saltus_plot_row *row = &page->rows[k];
+        for (int v = 0; v < row->count; v++)
+            below += saltus_plot_measured(page, row) && !(row->visits[v].value > 0);
+        below += saltus_plot_measured(page, row) && row->count == 0 && !((page->swap ? row->x : row->y) > 0);
+    }
     for (int k = 0; k < all->unnamed_stretch_count; k++)
         stretches += all->unnamed_stretch[k].length >= least;
     const bool unnamed = all->unnamed_count || stretches;

@@ -32,9 +32,22 @@ static void add_irregular(saltus_line *l, const saltus_motion *m) {
         saltus_line_add(l, ";  section points fill %d closed curve%s", e->curves, saltus_plural(e->curves));
 }
 
-/* Further numbers behind the verdict. */
+/* The exponent of an orbit, from its largest multiplier; of other motions further numbers behind the verdict.
+ */
 static void add_evidence(saltus_line *l, const saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
+    if (m->verdict == SALTUS_PERIODIC && !isnan(m->lyapunov)) {
+        saltus_line_add(l, "largest exponent ln|{/:Italic μ}_1|/");
+        if (m->periods > 1)
+            saltus_line_add(l, "(%d {/:Italic T}) = ", m->periods);
+        else
+            saltus_line_add(l, "{/:Italic T} = ");
+        if (isfinite(m->lyapunov))
+            saltus_line_number(l, "%.4g", m->lyapunov);
+        else
+            saltus_line_add(l, "−∞");
+        saltus_line_add(l, " per unit of time");
+    }
     if (saltus_verdict_settled(m->verdict) || e->periods == 0)
         return;
     if (m->verdict != SALTUS_QUASIPERIODIC && isfinite(e->half[0]) && isfinite(e->half[1])) {
@@ -61,63 +74,12 @@ static void add_evidence(saltus_line *l, const saltus_motion *m) {
         saltus_line_number(saltus_line_next(l), "%.4g impacts per {/:Italic T}", e->impacts_per_period);
 }
 
-/* The leading multipliers; a complex pair is written once, with its modulus. */
-static void add_multipliers(saltus_line *l, const saltus_motion *m) {
-    enum { leading = 4 };
-    if (!saltus_verdict_settled(m->verdict) || m->multiplier_count == 0)
-        return;
-    saltus_line_add(l, ";  Floquet multipliers ");
-    for (int k = 0; k < m->multiplier_count && k < leading; k++) {
-        const saltus_multiplier *f = &m->multipliers[k];
-        bool pair = saltus_multiplier_pair(m, k);
-        saltus_line_add(l, "%s", k ? ",  " : "");
-        saltus_line_number(l, "%.4g", f->re);
-        if (f->im != 0) {
-            saltus_line_add(l, " %s ", pair ? "±" : f->im < 0 ? "−" : "+");
-            saltus_line_number(l, "%.4g", fabs(f->im));
-            saltus_line_number(l, "{/:Italic i} (modulus %.4g)", exp(f->log_modulus));
-        }
-        k += pair;
-    }
-    saltus_line_add(l, "%s", m->multiplier_count > leading ? ", …" : "");
-}
-
-/* The exponent of an orbit, from its largest multiplier. */
-static void add_exponent(saltus_line *l, const saltus_motion *m) {
-    if (m->verdict != SALTUS_PERIODIC || isnan(m->lyapunov))
-        return;
-    saltus_line_add(l, "largest exponent ln|{/:Italic μ}_1|/");
-    if (m->periods > 1)
-        saltus_line_add(l, "(%d {/:Italic T}) = ", m->periods);
-    else
-        saltus_line_add(l, "{/:Italic T} = ");
-    if (isfinite(m->lyapunov))
-        saltus_line_number(l, "%.4g", m->lyapunov);
-    else
-        saltus_line_add(l, "−∞");
-    saltus_line_add(l, " per unit of time");
-}
-
-/* Which part of a motion without a closed orbit is shown. */
-static void add_stretch(saltus_line *l, const saltus_sheet *sheet) {
-    const saltus_trajectory *r = sheet->record;
-    char method[256];
-    if (sheet->orbit)
-        return;
-    saltus_line_number(l, "shown: %.6g periods", r->time[sheet->rows - 1] - r->time[0]);
-    if (!saltus_verdict_settled(sheet->motion->verdict))
-        saltus_line_add(l, ", section %lld", sheet->section->strobes);
-    if (sheet->spectra) {
-        saltus_spectra_method(sheet->spectra, method, sizeof method);
-        saltus_line_add(l, ";  spectrum from ");
-        saltus_line_plain(l, method);
-    }
-}
-
-/* What the motion is. */
+/* What the motion is, and the leading multipliers; a complex pair is written once, with its modulus. */
 static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
+    enum { leading = 4 };
     const saltus_motion *m = sheet->motion;
-    if (!saltus_verdict_settled(m->verdict))
+    const bool settled = saltus_verdict_settled(m->verdict);
+    if (!settled)
         add_irregular(l, m);
     else if (m->verdict == SALTUS_EQUILIBRIUM)
         saltus_line_add(l, "at rest, clear of every stop");
@@ -141,27 +103,51 @@ static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
     if (m->verdict == SALTUS_PERIODIC && m->mirror != SALTUS_MIRROR_NONE)
         saltus_line_add(l, ";  %s",
                         m->mirror == SALTUS_MIRROR_SELF ? "its own mirror image" : "one of a mirror pair");
-    add_multipliers(l, m);
+    for (int k = 0; k < m->multiplier_count && k < leading && settled; k++) {
+        const saltus_multiplier *f = &m->multipliers[k];
+        bool pair = saltus_multiplier_pair(m, k);
+        saltus_line_add(l, "%s", k ? ",  " : ";  Floquet multipliers ");
+        saltus_line_number(l, "%.4g", f->re);
+        if (f->im != 0) {
+            saltus_line_add(l, " %s ", pair ? "±" : f->im < 0 ? "−" : "+");
+            saltus_line_number(l, "%.4g", fabs(f->im));
+            saltus_line_number(l, "{/:Italic i} (modulus %.4g)", exp(f->log_modulus));
+        }
+        k += pair;
+    }
+    saltus_line_add(l, "%s", settled && m->multiplier_count > leading ? ", …" : "");
 }
 
 void saltus_sheet_caption(const saltus_sheet *sheet, const saltus_scene *scene, saltus_page *page) {
     const saltus_motion *m = sheet->motion;
-    char verdict[64];
+    const bool settled = saltus_verdict_settled(m->verdict);
+    char text[256];
     saltus_line *head = saltus_page_scene(page, scene->title, sheet->system);
-    saltus_motion_summary(m, verdict);
+    saltus_motion_summary(m, text);
     saltus_line_plain(head, scene->name);
     saltus_line_add(head, ":  ");
-    saltus_line_plain(head, verdict);
+    saltus_line_plain(head, text);
     add_motion(saltus_page_words(page, "#202020"), sheet);
-    saltus_line *evidence = saltus_page_words(page, "#202020"), *phases = saltus_page_words(page, "#202020");
-    add_exponent(evidence, m);
+    saltus_line *evidence = saltus_page_words(page, "#202020"), *phases = saltus_page_words(page, "#202020"),
+                *stretch = saltus_page_words(page, "#606060");
     add_evidence(evidence, m);
-    if (!saltus_verdict_settled(m->verdict) && m->evidence.laminar_period) {
+    if (!settled && m->evidence.laminar_period) {
         saltus_line_add(phases, "intermittent: %.0f %% of the time near a motion of period ",
                         100 * m->evidence.laminar);
         if (m->evidence.laminar_period > 1)
             saltus_line_add(phases, "%d ", m->evidence.laminar_period);
         saltus_line_add(phases, "{/:Italic T}, up to %lld periods at a stretch", m->evidence.longest_phase);
     }
-    add_stretch(saltus_page_words(page, "#606060"), sheet);
+    /* Which part of a motion without a closed orbit is shown. */
+    if (sheet->orbit)
+        return;
+    saltus_line_number(stretch, "shown: %.6g periods",
+                       sheet->record->time[sheet->rows - 1] - sheet->record->time[0]);
+    if (!settled)
+        saltus_line_add(stretch, ", section %lld", sheet->section->strobes);
+    if (sheet->spectra) {
+        saltus_spectra_method(sheet->spectra, text, sizeof text);
+        saltus_line_add(stretch, ";  spectrum from ");
+        saltus_line_plain(stretch, text);
+    }
 }

@@ -14,7 +14,8 @@ long long saltus_sheet_impacts(const saltus_trajectory *record, long long events
     return count;
 }
 
-/* How each side of a stop is drawn. */
+/* How each side of a stop is drawn, and the ranges of the phase portrait, extended to stops near the motion.
+ */
 static void find_faces(saltus_sheet *sheet) {
     /* None is the blue of the trajectory, in which a jump of the velocity could not be told from motion. */
     static const unsigned colours[] = {0xc44e2a, 0x1f9e89, 0x8a5aa0, 0xb08a00,
@@ -40,6 +41,22 @@ static void find_faces(saltus_sheet *sheet) {
         face->sign = (own.side > 0 ? 9 : 11) - shown / count % 2;
         shown += face->hit;
     }
+    const double *scale = saltus_system_scale(sheet->system);
+    saltus_range x = {INFINITY, -INFINITY}, v = x;
+    for (long long row = 0; row < sheet->rows; row++) {
+        saltus_range_add(&x, sheet->record->displacement[row]);
+        saltus_range_add(&v, sheet->record->velocity[row]);
+    }
+    const double width = x.high - x.low;
+    for (int f = 0; f < sheet->face_count; f++) {
+        const double d = sheet->faces[f].place;
+        if (sheet->faces[f].observed && d > x.low - 0.6 * width && d < x.high + 0.6 * width)
+            saltus_range_add(&x, d);
+    }
+    saltus_range_pad(&x, 0.07, scale[0]);
+    saltus_range_pad(&v, 0.07, scale[saltus_system_dof(sheet->system)]);
+    sheet->displacement = x;
+    sheet->velocity = v;
 }
 
 void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *record, long long k,
@@ -52,27 +69,6 @@ void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *rec
         point[0] += observer[i] * state[i];
         point[1] += observer[i] * state[n + i];
     }
-}
-
-/* Ranges of the phase portrait, extended to stops near the motion. */
-static void find_ranges(saltus_sheet *sheet) {
-    const saltus_trajectory *r = sheet->record;
-    const double *scale = saltus_system_scale(sheet->system);
-    saltus_range x = {INFINITY, -INFINITY}, v = x;
-    for (long long row = 0; row < sheet->rows; row++) {
-        saltus_range_add(&x, r->displacement[row]);
-        saltus_range_add(&v, r->velocity[row]);
-    }
-    const double width = x.high - x.low;
-    for (int f = 0; f < sheet->face_count; f++) {
-        const double d = sheet->faces[f].place;
-        if (sheet->faces[f].observed && d > x.low - 0.6 * width && d < x.high + 0.6 * width)
-            saltus_range_add(&x, d);
-    }
-    saltus_range_pad(&x, 0.07, scale[0]);
-    saltus_range_pad(&v, 0.07, scale[saltus_system_dof(sheet->system)]);
-    sheet->displacement = x;
-    sheet->velocity = v;
 }
 
 /* Number of rows up to and including a time. */
@@ -112,7 +108,6 @@ void saltus_sheet_choose(saltus_sheet *sheet) {
         sheet->mapped = mapped_most;
     sheet->strong = sheet->orbit;
     find_faces(sheet);
-    find_ranges(sheet);
     /* If the exponent is finite, the last part of its history in which all values are finite. */
     const saltus_motion *m = sheet->motion;
     const saltus_evidence *e = &m->evidence;
@@ -133,7 +128,6 @@ void saltus_sheet_choose_all(saltus_sheet *sheet) {
     sheet->events = sheet->history_events = r->event_count;
     sheet->strong = r->time[r->samples - 1] - r->time[0] <= few;
     find_faces(sheet);
-    find_ranges(sheet);
 }
 
 static void put_contact(saltus_sheet *sheet, double begin, double end, double displacement) {

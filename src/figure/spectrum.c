@@ -195,8 +195,18 @@ static void add_coordinate(saltus_line *line, const saltus_system *system, saltu
                         quantity.velocity ? "′" : "", quantity.coordinate);
 }
 
-static void add_low_heading(saltus_line *heading, const row *r, const saltus_system *system) {
+/* The heading of the panel of low frequencies, or of the whole spectrum. */
+static void add_heading(saltus_line *heading, const row *r, const saltus_system *system, bool whole) {
     const saltus_spectrum *s = r->s;
+    if (whole) {
+        saltus_line_add(heading, "%s", r->lines ? "all lines" : "the whole density");
+        if (s->orbits > 1 && r->between > r->floor)
+            saltus_line_add(heading, "; dashed: largest between them");
+        else if (s->orbits > 1 && isfinite(r->between))
+            saltus_line_add(heading, "; between them below −%.0f dB", floor(-r->between));
+        saltus_line_add(heading, "%s", s->trustworthy < r->end ? "; grey: not trustworthy" : "");
+        return;
+    }
     if (r->quantity.coordinate < 0)
         saltus_line_plain(heading, saltus_quantity_name(system, r->quantity).text);
     else if (r->quantity.coordinate == 0)
@@ -214,17 +224,6 @@ static void add_low_heading(saltus_line *heading, const row *r, const saltus_sys
     else
         saltus_line_add(heading, ":  density; pale: %g %% confidence%s", 100 * s->confidence,
                         saltus_spectrum_has_strong_lines(s) ? "; ▾ strong lines" : "");
-}
-
-static void add_whole_heading(saltus_line *heading, const row *r) {
-    const saltus_spectrum *s = r->s;
-    saltus_line_add(heading, "%s", r->lines ? "all lines" : "the whole density");
-    if (s->orbits > 1 && r->between > r->floor)
-        saltus_line_add(heading, "; dashed: largest between them");
-    else if (s->orbits > 1 && isfinite(r->between))
-        saltus_line_add(heading, "; between them below −%.0f dB", floor(-r->between));
-    if (s->trustworthy < r->end)
-        saltus_line_add(heading, "; grey: not trustworthy");
 }
 
 static void put_caption(const saltus_spectra_source *source, saltus_page *page) {
@@ -284,10 +283,7 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
         saltus_frame frame = saltus_page_cell(page, cell, 1, columns, (cells + columns - 1) / columns);
         const row *r = &rows[cell / 2];
         saltus_line heading = {.length = 0};
-        if (cell % 2)
-            add_whole_heading(&heading, r);
-        else
-            add_low_heading(&heading, r, source->system);
+        add_heading(&heading, r, source->system, cell % 2);
         draw(r, cell % 2, frame, cell, &heading);
     }
     if (count == 0) {

@@ -85,34 +85,11 @@ static saltus_status cut_axis(const saltus_sweep_page *page, saltus_cells *cells
     return SALTUS_OK;
 }
 
-/* Check that axes can be exchanged or logarithmic as requested. */
-static saltus_status check_look(const saltus_sweep_page *page, saltus_message *message) {
-    const saltus_figure_options *look = &page->wish->look;
-    const char *view = saltus_view_word(page->view);
-    bool two = page->sweep->axis_count > 1;
-    for (int k = 0; k < look->logarithmic_count; k++) {
-        const char *key = look->logarithmic[k];
-        const saltus_cells *cells = strcmp(key, page->x.key) == 0          ? &page->x
-                                    : two && strcmp(key, page->y.key) == 0 ? &page->y
-                                                                           : NULL;
-        if (!cells && strcmp(key, view) != 0)
-            return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "%.200s: logarithmic axis %.40s: the figure shows %s%s%s and %s", page->path,
-                               key, page->x.key, two ? ", " : "", two ? page->y.key : "", view);
-        if (cells && !cells->logarithmic)
-            return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "%.200s: logarithmic axis %s: its values must be positive", page->path, key);
-        if (!cells && (page->view == SALTUS_VIEW_LYAPUNOV || (two && page->view <= SALTUS_VIEW_ATTRACTORS)))
-            return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "%.200s: logarithmic axis %.40s: what is shown has no logarithm", page->path,
-                               key);
-    }
-    return SALTUS_OK;
-}
-
+/* The axes and the range of what is shown, cut and logarithmic as requested. */
 static saltus_status open_axes(saltus_sweep_page *page, saltus_message *message) {
     const saltus_axis *axes = page->sweep->axes;
     const saltus_figure_options *look = &page->wish->look;
+    const char *view = saltus_view_word(page->view);
     bool two = page->sweep->axis_count > 1, swap = two && look->swap;
     saltus_cells *first = swap ? &page->y : &page->x, *second = swap ? &page->x : &page->y;
     if (!saltus_cells_open(first, &axes[0], saltus_plot_logarithmic(look, axes[0].key)) ||
@@ -120,15 +97,32 @@ static saltus_status open_axes(saltus_sweep_page *page, saltus_message *message)
         !saltus_classes_open(&page->classes, page->sweep))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for drawing %.200s", page->path);
     saltus_status status = cut_axis(page, &page->x, message);
-    if (status == SALTUS_OK && page->sweep->axis_count > 1)
+    if (status == SALTUS_OK && two)
         status = cut_axis(page, &page->y, message);
-    const saltus_plot_part *part =
-        saltus_plot_part_of(page->wish->parts, page->wish->part_count, saltus_view_word(page->view));
+    const saltus_plot_part *part = saltus_plot_part_of(page->wish->parts, page->wish->part_count, view);
     page->asked = part != NULL;
     if (part)
         page->up = (saltus_range){part->low, part->high};
-    page->logarithmic = saltus_plot_logarithmic(look, saltus_view_word(page->view));
-    return status == SALTUS_OK ? check_look(page, message) : status;
+    page->logarithmic = saltus_plot_logarithmic(look, view);
+    for (int k = 0; k < look->logarithmic_count && status == SALTUS_OK; k++) {
+        const char *key = look->logarithmic[k];
+        const saltus_cells *cells = strcmp(key, page->x.key) == 0          ? &page->x
+                                    : two && strcmp(key, page->y.key) == 0 ? &page->y
+                                                                           : NULL;
+        if (!cells && strcmp(key, view) != 0)
+            status = saltus_fail(message, SALTUS_BAD_INPUT,
+                                 "%.200s: logarithmic axis %.40s: the figure shows %s%s%s and %s", page->path,
+                                 key, page->x.key, two ? ", " : "", two ? page->y.key : "", view);
+        else if (cells && !cells->logarithmic)
+            status = saltus_fail(message, SALTUS_BAD_INPUT,
+                                 "%.200s: logarithmic axis %s: its values must be positive", page->path, key);
+        else if (!cells &&
+                 (page->view == SALTUS_VIEW_LYAPUNOV || (two && page->view <= SALTUS_VIEW_ATTRACTORS)))
+            status = saltus_fail(message, SALTUS_BAD_INPUT,
+                                 "%.200s: logarithmic axis %.40s: what is shown has no logarithm", page->path,
+                                 key);
+    }
+    return status;
 }
 
 /* The rows that give the observed displacement; they vary along an axis that moves the stop. */
@@ -156,16 +150,6 @@ static saltus_status open_observers(saltus_sweep_page *page, saltus_message *mes
         saltus_system_free(system);
     }
     return status;
-}
-
-/* Write the script and have it drawn. */
-static saltus_status draw_page(saltus_sweep_page *page, const char *figure, saltus_message *message) {
-    saltus_status status = saltus_page_open(&page->paper, figure, &page->wish->look, message);
-    if (status != SALTUS_OK)
-        return status;
-    status = page->sweep->axis_count > 1 ? saltus_sweep_put_map(page, message)
-                                         : saltus_sweep_put_diagram(page, message);
-    return saltus_page_close(&page->paper, status, message);
 }
 
 /* Check that a branch file fits the sweep: periodic orbits over the one axis, or a locus over both axes (in
@@ -282,7 +266,11 @@ saltus_status saltus_plot_sweep(const char *figure, const char *path, const salt
     if (status == SALTUS_OK)
         status = open_over(&page, files, &read, message);
     if (status == SALTUS_OK)
-        status = draw_page(&page, figure, message);
+        status = saltus_page_open(&page.paper, figure, &view->look, message);
+    if (status == SALTUS_OK) {
+        status = (sweep.axis_count > 1 ? saltus_sweep_put_map : saltus_sweep_put_diagram)(&page, message);
+        status = saltus_page_close(&page.paper, status, message);
+    }
     saltus_plot_close(&page.over);
     for (int k = 0; k < read; k++)
         saltus_branch_file_clear(&files[k]);

@@ -9,19 +9,19 @@
 #include <math.h>
 #include <stdlib.h>
 
-typedef struct pass_look {
-    uint32_t colour;
-    const char *name;
-} pass_look;
+static const char *name_of(const saltus_sweep_page *page, int pass) {
+    static const char *const names[SALTUS_PASSES] = {[SALTUS_PASS_RESET] = "from the initial state",
+                                                     [SALTUS_PASS_UP] = "upwards",
+                                                     [SALTUS_PASS_DOWN] = "downwards"};
+    return names[page->sweep->passes[pass]];
+}
 
-static pass_look look_of(const saltus_sweep_page *page, int pass) {
-    static const pass_look looks[SALTUS_PASSES] = {[SALTUS_PASS_RESET] = {0x3a3f47, "from the initial state"},
-                                                   [SALTUS_PASS_UP] = {0x1a5fa6, "upwards"},
-                                                   [SALTUS_PASS_DOWN] = {0xe0661c, "downwards"}};
-    pass_look look = looks[page->sweep->passes[pass]];
-    if (page->sweep->pass_count == 1)
-        look.colour = page->over.count ? 0x8a93a0 : 0x14273d;
-    return look;
+static uint32_t colour_of(const saltus_sweep_page *page, int pass) {
+    static const uint32_t colours[SALTUS_PASSES] = {
+        [SALTUS_PASS_RESET] = 0x3a3f47, [SALTUS_PASS_UP] = 0x1a5fa6, [SALTUS_PASS_DOWN] = 0xe0661c};
+    return page->sweep->pass_count > 1 ? colours[page->sweep->passes[pass]]
+           : page->over.count          ? 0x8a93a0
+                                       : 0x14273d;
 }
 
 /* The k-th pass in the order of drawing, with up drawn over down. */
@@ -101,19 +101,6 @@ static bool next_point(const saltus_sweep_page *page, walk *w) {
     return false;
 }
 
-/* Whether impact speeds of both signs occur. */
-static bool two_sided(const saltus_sweep_page *page) {
-    const saltus_sweep_file *sweep = page->sweep;
-    bool up = false, down = false;
-    for (long long row = 0; row < sweep->row_count; row++)
-        for (long long k = 0; k < sweep->impact_count[row]; k++) {
-            double speed = sweep->impacts[sweep->impact_first[row] + k].speed;
-            up = up || speed > 0;
-            down = down || speed < 0;
-        }
-    return up && down;
-}
-
 /* Position of a face at a value of the axis: its clearance with the face's sign. */
 static double clearance(const saltus_sweep_page *page, saltus_face face, double value) {
     return face.side * (saltus_key_means(page->x.key, "d", face.stop) ? value : face.d);
@@ -130,8 +117,14 @@ static bool limits(const saltus_sweep_page *page, saltus_face face) {
 }
 
 static saltus_status find_range(saltus_sweep_page *page, saltus_message *message) {
-    saltus_range found = {INFINITY, -INFINITY};
-    page->sides = page->view == SALTUS_VIEW_IMPACTS && !page->over.count && two_sided(page);
+    saltus_range found = {INFINITY, -INFINITY}, speeds = {0, 0};
+    /* Speeds have signs where both occur. */
+    const saltus_sweep_file *sweep = page->sweep;
+    const bool signs = page->view == SALTUS_VIEW_IMPACTS && !page->over.count;
+    for (long long row = 0; row < sweep->row_count && signs; row++)
+        for (long long k = 0; k < sweep->impact_count[row]; k++)
+            saltus_range_add(&speeds, sweep->impacts[sweep->impact_first[row] + k].speed);
+    page->sides = speeds.low < 0 && speeds.high > 0;
     for (int pass = 0; pass < page->sweep->pass_count; pass++)
         for (walk w = walk_of(page, pass); next_point(page, &w); page->shown++)
             if (!page->logarithmic || w.value > 0)
@@ -314,7 +307,7 @@ static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, sa
         }
     }
     if (sound)
-        paint_tally(&t, look_of(page, pass).colour, raster);
+        paint_tally(&t, colour_of(page, pass), raster);
     free(t.cover);
     free(t.weight);
     return sound;
@@ -410,7 +403,7 @@ static void put_cloud_elements(const saltus_sweep_page *page, const saltus_raste
     FILE *file = page->paper.file;
     for (int k = 0; k < page->sweep->pass_count; k++) {
         const int pass = pass_drawn(page, k);
-        const unsigned colour = look_of(page, pass).colour;
+        const unsigned colour = colour_of(page, pass);
         if (linked(page, dense))
             fprintf(file, "     $links_%d using %s with lines lw 1 lc rgb '#%02x%06x' notitle, \\\n", pass,
                     columns(page), faint, colour);
@@ -424,7 +417,7 @@ static void put_cloud_elements(const saltus_sweep_page *page, const saltus_raste
     }
     for (int pass = 0; pass < page->sweep->pass_count && page->sweep->pass_count > 1; pass++)
         fprintf(file, "     NaN with points pt 7 ps 1.1 lc rgb '#%06x' title '%s', \\\n",
-                (unsigned)look_of(page, pass).colour, look_of(page, pass).name);
+                (unsigned)colour_of(page, pass), name_of(page, pass));
 }
 
 /* The exponents as elements of the plot command, below the points: columns from zero, which are drawn only if
@@ -457,7 +450,7 @@ static void put_exponent_elements(const saltus_sweep_page *page, bool dense) {
 }
 
 /* The faces that limit what is shown: each is named at the end of its line, at the edge of the panel where
- * that leaves it. gnuplot needs the names before the plot command, ... */
+ * that leaves it. gnuplot needs the names before the plot command. */
 static void put_face_names(const saltus_sweep_page *page) {
     enum { steps = 240 };
     const double least = 40; /* units from the panel's left edge */
@@ -496,32 +489,27 @@ static void put_face_names(const saltus_sweep_page *page) {
     }
 }
 
-/* ... and grey beyond it. */
-static void put_face_elements(const saltus_sweep_page *page) {
-    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
-        const saltus_face face = saltus_system_face(page->system, f);
-        if (!limits(page, face))
-            continue;
-        fprintf(page->paper.file, "     $face_%d using ", f);
-        if (page->swap)
-            fprintf(page->paper.file, "2:1 with filledcurves x1=%.9g",
-                    face.side > 0 ? page->up.high : page->up.low);
-        else
-            fputs("1:2:3 with filledcurves", page->paper.file);
-        fprintf(page->paper.file,
-                " fc rgb '#ececec' notitle, \\\n"
-                "     $face_%d using %s with lines lc rgb '#9a9a9a' lw 1.2 notitle, \\\n",
-                f, columns(page));
-    }
-}
-
+/* The plot command: grey beyond faces, what is shown, branches over it. */
 static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters, bool dense) {
     FILE *file = page->paper.file;
     if (dense)
         saltus_sweep_put_raster_ranges(file, rasters[0].width, rasters[0].height);
     put_face_names(page);
     fputs("plot \\\n", file);
-    put_face_elements(page);
+    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
+        const saltus_face face = saltus_system_face(page->system, f);
+        if (!limits(page, face))
+            continue;
+        fprintf(file, "     $face_%d using ", f);
+        if (page->swap)
+            fprintf(file, "2:1 with filledcurves x1=%.9g", face.side > 0 ? page->up.high : page->up.low);
+        else
+            fputs("1:2:3 with filledcurves", file);
+        fprintf(file,
+                " fc rgb '#ececec' notitle, \\\n"
+                "     $face_%d using %s with lines lc rgb '#9a9a9a' lw 1.2 notitle, \\\n",
+                f, columns(page));
+    }
     if (page->view == SALTUS_VIEW_LYAPUNOV)
         put_exponent_elements(page, dense);
     put_cloud_elements(page, rasters, dense);
@@ -545,23 +533,6 @@ static saltus_frame whole_frame(const saltus_sweep_page *page, double below) {
     return (saltus_frame){narrow ? 124 : 150, page->paper.width - (narrow ? 34 : 50), rest.bottom, rest.top};
 }
 
-/* The height of the legend of classes: below it lies the strip, if that is upright, and the shorter the strip
- * the fewer names have room in it. -1: no memory. */
-static double legend_height(const saltus_sweep_page *page) {
-    enum { most = 8 };
-    double height = 0, last = -1;
-    for (int k = 0; k < most && height != last; k++) {
-        saltus_frame rest = page->frame;
-        last = height;
-        rest.top -= page->swap ? last : 0;
-        const double found = saltus_sweep_put_strip_legend(page, rest, 0, false);
-        if (found < 0)
-            return found;
-        height = fmax(found, last);
-    }
-    return height;
-}
-
 /* Place the diagram, the strip of classes below it or, if it is upright, to its left, and the legends
  * needed. */
 static bool place_frames(saltus_sweep_page *page, saltus_frame *strip) {
@@ -575,7 +546,16 @@ static bool place_frames(saltus_sweep_page *page, saltus_frame *strip) {
     }
     const double top = page->frame.top + 22;
     page->frame.top -= page->swap ? above : 0; /* names of stops and passes */
-    const double height = legend_height(page);
+    /* The height of the legend of classes: below it lies the strip, if that is upright, and the shorter the
+     * strip the fewer names have room in it. */
+    double height = 0, last = -1;
+    for (int k = 0; k < 8 && height != last && height >= 0; k++) {
+        saltus_frame rest = page->frame;
+        last = height;
+        rest.top -= page->swap ? last : 0;
+        const double found = saltus_sweep_put_strip_legend(page, rest, 0, false);
+        height = found < 0 ? found : fmax(found, last);
+    }
     page->frame.top -= height;
     const saltus_frame whole = *strip = page->frame;
     if (page->swap) {
@@ -588,18 +568,6 @@ static bool place_frames(saltus_sweep_page *page, saltus_frame *strip) {
     return height >= 0 && saltus_sweep_put_strip_legend(page, whole, top, true) >= 0;
 }
 
-/* Increase a free page height by that of the legends. */
-static bool choose_height(saltus_sweep_page *page) {
-    if (!page->paper.free_height)
-        return true;
-    page->frame = whole_frame(page, 0);
-    const double height = saltus_sweep_put_strip_legend(page, page->frame, 0, false);
-    page->paper.height += height + 19 * (pass_rows(page) - 1);
-    if (page->over.count)
-        page->paper.height += saltus_plot_legend(&page->over, page->frame.right - page->frame.left, false);
-    return height >= 0;
-}
-
 saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *message) {
     saltus_raster rasters[SALTUS_PASSES] = {{0}};
     saltus_frame strip;
@@ -608,7 +576,16 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
     saltus_status status = find_range(page, message);
     if (status != SALTUS_OK)
         return status;
-    bool sound = choose_height(page);
+    bool sound = true;
+    if (page->paper.free_height) { /* with room for the legends */
+        page->frame = whole_frame(page, 0);
+        const double height = saltus_sweep_put_strip_legend(page, page->frame, 0, false);
+        sound = height >= 0;
+        page->paper.height += height + 19 * (pass_rows(page) - 1);
+        if (page->over.count)
+            page->paper.height +=
+                saltus_plot_legend(&page->over, page->frame.right - page->frame.left, false);
+    }
     saltus_sweep_caption(page);
     saltus_page_begin(&page->paper);
     /* More points than a page of this size can hold apart are drawn as densities. */

@@ -105,29 +105,14 @@ static bool find_classes(saltus_sweep_map *map) {
     return true;
 }
 
-/* The number of attractors met at a point: the larger of those distinguished within one pass and the classes
- * over all passes. */
-static int count_attractors(const saltus_sweep_page *page, long long point) {
-    const saltus_sweep_file *sweep = page->sweep;
-    int visits = saltus_sweep_visits(sweep), most = 0, distinct = 0;
-    for (int k = 0; k < visits; k++) {
-        long long row = saltus_sweep_visit(sweep, point, k);
-        bool met = false;
-        if (sweep->rows[row].attractor < 0 || sweep->rows[row].verdict == SALTUS_PENDING)
-            continue;
-        most = sweep->rows[row].attractor + 1 > most ? sweep->rows[row].attractor + 1 : most;
-        for (int j = 0; j < k; j++)
-            met =
-                met || page->classes.of_row[saltus_sweep_visit(sweep, point, j)] == page->classes.of_row[row];
-        distinct += !met;
-    }
-    return most > distinct ? most : distinct;
-}
-
+/* The number of attractors met at each point: the larger of those distinguished within one pass and the
+ * classes over all passes. */
 static bool find_counts(saltus_sweep_map *map) {
     enum { most = 6 };
     static const uint32_t colours[most + 1] = {0xffffff, 0xe9edf1, 0xf2c14e, 0xe07b39,
                                                0xb23a48, 0x6d2e6b, 0x2b1b3d};
+    const saltus_sweep_file *sweep = map->page->sweep;
+    const int *of_row = map->page->classes.of_row;
     if (!open_kinds(map, most + 1))
         return false;
     for (int k = 0; k <= most; k++) {
@@ -135,8 +120,20 @@ static bool find_counts(saltus_sweep_map *map) {
         snprintf(label, sizeof label, "%d%s attractor%s", k, k == most ? " or more" : "", k == 1 ? "" : "s");
         name_kind(&map->kinds[k], k ? label : "none found", (saltus_paint){colours[k], 0});
     }
-    for (long long p = 0; p < map->page->sweep->points; p++) {
-        int count = count_attractors(map->page, p);
+    for (long long p = 0; p < sweep->points; p++) {
+        int within = 0, distinct = 0;
+        for (int k = 0; k < saltus_sweep_visits(sweep); k++) {
+            const long long row = saltus_sweep_visit(sweep, p, k);
+            const saltus_sweep_row *told = &sweep->rows[row];
+            bool met = false;
+            if (told->attractor < 0 || told->verdict == SALTUS_PENDING)
+                continue;
+            within = told->attractor + 1 > within ? told->attractor + 1 : within;
+            for (int j = 0; j < k; j++)
+                met = met || of_row[saltus_sweep_visit(sweep, p, j)] == of_row[row];
+            distinct += !met;
+        }
+        const int count = within > distinct ? within : distinct;
         map->kind[p] = count < most ? count : most;
     }
     add_shares(map);

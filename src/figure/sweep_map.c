@@ -372,15 +372,6 @@ static void put_orbits(const saltus_sweep_map *map) {
     }
 }
 
-static void put_orbit_elements(const saltus_sweep_map *map) {
-    for (int k = 0; k < map->page->sweep->attractor_count; k++)
-        fprintf(map->page->paper.file,
-                ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.7 lc rgb '#%s' notitle"
-                ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.2 lc rgb '#%06x' notitle",
-                k, saltus_colour_light(map->kinds[k].paint.colour) ? "101010" : "ffffff", k,
-                (unsigned)map->kinds[k].paint.colour);
-}
-
 /* Names, marks, the map itself, its axes and anything drawn over it. */
 static bool put_panel(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
@@ -416,8 +407,13 @@ static bool put_panel(saltus_sweep_map *map) {
     bool sound = put_names(map);
     fputs("unset grid\nset border 15\nplot ", file);
     saltus_raster_element(file, &map->raster, "x2y2");
-    if (page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins)
-        put_orbit_elements(map);
+    const bool basins = page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins;
+    for (int k = 0; k < page->sweep->attractor_count && basins; k++)
+        fprintf(file,
+                ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.7 lc rgb '#%s' notitle"
+                ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.2 lc rgb '#%06x' notitle",
+                k, saltus_colour_light(map->kinds[k].paint.colour) ? "101010" : "ffffff", k,
+                (unsigned)map->kinds[k].paint.colour);
     if (page->over.count) {
         fputs(", \\\n", file);
         saltus_plot_elements(&page->over);

@@ -117,10 +117,20 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
     return sound;
 }
 
-/* Count the rows of each class in the visible part. */
-static void count_shown(const saltus_sweep_page *page, int width, long long *shown) {
+/* Of each class the rows in the visible part, and whether it has a name in a strip of this width. */
+static bool survey(const saltus_sweep_page *page, int width, long long *shown, bool *named) {
     const saltus_sweep_file *sweep = page->sweep;
     int begin = page->x.count, end = -1;
+    int *counts = calloc((size_t)page->classes.count, sizeof *counts),
+        *winners = calloc((size_t)width, sizeof *winners);
+    const bool sound = counts && winners;
+    for (int pass = 0; pass < sweep->pass_count && sound; pass++) {
+        stretch s;
+        for (int x = 0; x < width; x++)
+            count_classes(page, pass, width, x, counts, &winners[x]);
+        for (int from = 0; (s = next_named(page, winners, width, &from)).c != NULL;)
+            named[s.c - page->classes.list] = true;
+    }
     for (int pixel = 0, first, last; pixel < width; pixel++)
         if (saltus_cells_at(&page->x, width, pixel, &first, &last)) {
             begin = first < begin ? first : begin;
@@ -129,20 +139,6 @@ static void count_shown(const saltus_sweep_page *page, int width, long long *sho
     for (int k = 0; k < saltus_sweep_visits(sweep); k++)
         for (int cell = begin; cell <= end; cell++)
             shown[page->classes.of_row[saltus_sweep_visit(sweep, page->x.order[cell], k)]]++;
-}
-
-/* Find the classes that have a name in the strip. */
-static bool find_named(const saltus_sweep_page *page, int width, bool *named) {
-    int *counts = calloc((size_t)page->classes.count, sizeof *counts),
-        *winners = calloc((size_t)width, sizeof *winners);
-    const bool sound = counts && winners;
-    for (int pass = 0; pass < page->sweep->pass_count && sound; pass++) {
-        for (int x = 0; x < width; x++)
-            count_classes(page, pass, width, x, counts, &winners[x]);
-        stretch s;
-        for (int from = 0; (s = next_named(page, winners, width, &from)).c != NULL;)
-            named[s.c - page->classes.list] = true;
-    }
     free(counts);
     free(winners);
     return sound;
@@ -157,11 +153,9 @@ double saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame
     size_t count = (size_t)page->classes.count + 1;
     const int width = pixels_along(page, frame);
     long long *shown = calloc(count, sizeof *shown), most = 0, rows = 0;
-    bool *named = calloc(count, sizeof *named), sound = shown && named && find_named(page, width, named);
+    bool *named = calloc(count, sizeof *named), sound = shown && named && survey(page, width, shown, named);
     double x = frame.left, height = 0;
     int left_out = 0;
-    if (sound)
-        count_shown(page, width, shown);
     for (int k = 0; k < page->classes.count && sound; k++) {
         const saltus_sweep_class *c = &page->classes.list[k];
         char label[64];
