@@ -45,9 +45,20 @@ static saltus_status read_head(reader *r) {
     return status == SALTUS_OK ? status : saltus_h5_refuse(&r->h5, sentence.text);
 }
 
-static saltus_status read_options(reader *r) {
+static bool all_finite(const double *values, int count) {
+    for (int i = 0; i < count; i++)
+        if (!isfinite(values[i]))
+            return false;
+    return true;
+}
+
+/* The options of the run, what it goes on from, and its start. */
+static saltus_status read_run(reader *r) {
     saltus_branch_file *made = r->made;
     saltus_branch_options *options = &made->options;
+    long long periods = 0;
+    double period = 0;
+    int count = 0;
     hid_t group = saltus_h5_find_group(r->h5.file, "continuation");
     if (group < 0)
         return saltus_h5_refuse(&r->h5, "the group /continuation is missing");
@@ -59,35 +70,22 @@ static saltus_status read_options(reader *r) {
     saltus_status status = saltus_h5_get_reals(&r->h5, "continuation", "values", 1000000, true,
                                                &options->value_count, &made->values);
     options->values = made->values;
-    return status == SALTUS_OK ? saltus_h5_get_reals(&r->h5, "continuation", "resume", INT_MAX, false,
-                                                     &made->resume_count, &made->resume)
-                               : status;
-}
-
-static bool all_finite(const double *values, int count) {
-    for (int i = 0; i < count; i++)
-        if (!isfinite(values[i]))
-            return false;
-    return true;
-}
-
-static saltus_status read_start(reader *r) {
-    saltus_branch_file *made = r->made;
-    long long periods = 0;
-    int count = 0;
-    hid_t group = saltus_h5_find_group(r->h5.file, "start");
-    bool found = group >= 0 && saltus_h5_get_integer(group, "periods", &periods);
-    double period = 0;
+    if (status == SALTUS_OK)
+        status = saltus_h5_get_reals(&r->h5, "continuation", "resume", INT_MAX, false, &made->resume_count,
+                                     &made->resume);
+    if (status != SALTUS_OK)
+        return status;
+    group = saltus_h5_find_group(r->h5.file, "start");
+    const bool found = group >= 0 && saltus_h5_get_integer(group, "periods", &periods);
     if (found && saltus_h5_get_double(group, "period", &period) && period > 0) {
-        made->options.orbit.free_period = true;
+        options->orbit.free_period = true;
         saltus_spec_set_omega(&made->spec, 2 * M_PI / period);
     }
     saltus_h5_close(group);
     if (!found || periods < saltus_system_forced(r->system) || periods > INT_MAX)
         return saltus_h5_refuse_part(&r->h5, "start", "periods");
     made->periods = (int)periods;
-    saltus_status status =
-        saltus_h5_get_reals(&r->h5, "start", "state", made->dimension, true, &count, &made->state);
+    status = saltus_h5_get_reals(&r->h5, "start", "state", made->dimension, true, &count, &made->state);
     return status == SALTUS_OK && count != made->dimension ? saltus_h5_refuse_part(&r->h5, "start", "state")
                                                            : status;
 }
@@ -175,8 +173,7 @@ static saltus_status read_points(reader *r) {
 }
 
 saltus_status saltus_branch_file_read(const char *path, saltus_branch_file *file, saltus_message *message) {
-    static saltus_status (*const steps[])(reader *) = {read_head, read_options, read_start, read_events,
-                                                       read_points};
+    static saltus_status (*const steps[])(reader *) = {read_head, read_run, read_events, read_points};
     *file = (saltus_branch_file){0};
     reader r = {.h5 = {.path = path, .kind = "branch", .message = message}, .made = file};
     saltus_status status = saltus_h5_reader_open(&r.h5);

@@ -13,6 +13,13 @@ void saltus_put_number(FILE *file, double value) {
     fputs(saltus_number(value, text), file);
 }
 
+void saltus_put_numbers(FILE *file, const double *values, int count) {
+    for (int i = 0; i < count; i++) {
+        fputc(',', file);
+        saltus_put_number(file, values[i]);
+    }
+}
+
 const char *saltus_plural(long long count) {
     return count == 1 ? "" : "s";
 }

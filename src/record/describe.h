@@ -11,6 +11,8 @@
 
 /* Write a number that reads back exactly. */
 void saltus_put_number(FILE *file, double value);
+/* Several, each after a comma. */
+void saltus_put_numbers(FILE *file, const double *values, int count);
 /* Plural ending of a noun: "" if count is 1, otherwise "s". */
 const char *saltus_plural(long long count);
 

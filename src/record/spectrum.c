@@ -212,13 +212,6 @@ static void put_header(const saltus_spectra_source *source, FILE *file) {
           file);
 }
 
-static void put_values(FILE *file, const double *values, int count) {
-    for (int i = 0; i < count; i++) {
-        fputc(',', file);
-        saltus_put_number(file, values[i]);
-    }
-}
-
 void saltus_put_spectra_table(const saltus_spectra_source *source, FILE *file) {
     const saltus_spectra *spectra = source->spectra;
     const saltus_spectrum *first = moving(spectra);
@@ -247,13 +240,13 @@ void saltus_put_spectra_table(const saltus_spectra_source *source, FILE *file) {
             const saltus_spectrum *s = &spectra->spectra[k];
             if (s->kind == SALTUS_SPECTRUM_LINES) {
                 const saltus_spectral_line *line = &s->lines[row];
-                put_values(file, (const double[]){line->amplitude, line->phase, line->decibels}, 3);
+                saltus_put_numbers(file, (const double[]){line->amplitude, line->phase, line->decibels}, 3);
             } else if (s->kind == SALTUS_SPECTRUM_WELCH) {
                 const double density = s->density[row];
-                put_values(file,
-                           (const double[]){density, s->low * density, s->high * density,
-                                            10 * log10(density / peak[k])},
-                           4);
+                saltus_put_numbers(file,
+                                   (const double[]){density, s->low * density, s->high * density,
+                                                    10 * log10(density / peak[k])},
+                                   4);
             }
         }
         fputc('\n', file);

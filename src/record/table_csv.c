@@ -165,26 +165,6 @@ static void put_line(FILE *file, const rows *t, int which, long long row) {
     fputc('\n', file);
 }
 
-/* A line for each field, with its first and last column and what it is. */
-static void put_legend(FILE *file, const rows *t, int which) {
-    char name[name_size];
-    if (t->numbers)
-        fprintf(file, "# %s: %s\n", tables[which].number, tables[which].meaning);
-    for (int k = 0; k < t->kind.count; k++) {
-        const saltus_field *f = &t->fields[k];
-        char first[name_size] = "", last[name_size] = "";
-        for (int i = 0; i < entries_of(f, t->counts); i++)
-            if (name_entry(f, t->counts, i, t->system, name))
-                strcpy(first[0] ? last : first, name);
-        const char *means = f->length == -1 - SALTUS_COUNT_PARAMETERS ? "parameters of the model"
-                            : f->length == -1 - SALTUS_COUNT_STOPS    ? "of stop 1, 2, ..., as in --set"
-                                                                      : f->meaning;
-        if (first[0])
-            fprintf(file, "# %s%s%s: %s%s\n", first, last[0] ? " to " : "", last, means,
-                    strcmp(f->unit, "T") == 0 ? ", in T" : "");
-    }
-}
-
 static saltus_status write_table(const char *to, const saltus_h5_reader *r, int which,
                                  const saltus_h5_head *head, const rows *t) {
     saltus_scene scene = {.initial_count = 0};
@@ -216,7 +196,22 @@ static saltus_status write_table(const char *to, const saltus_h5_reader *r, int 
                     saltus_number(high, high_text));
     }
     saltus_h5_close(group);
-    put_legend(output.file, t, which);
+    /* A line for each field, with its first and last column and what it is. */
+    if (t->numbers)
+        fprintf(output.file, "# %s: %s\n", tables[which].number, tables[which].meaning);
+    for (int k = 0; k < t->kind.count; k++) {
+        const saltus_field *f = &t->fields[k];
+        char name[name_size], first[name_size] = "", last[name_size] = "";
+        for (int i = 0; i < entries_of(f, t->counts); i++)
+            if (name_entry(f, t->counts, i, t->system, name))
+                strcpy(first[0] ? last : first, name);
+        const char *means = f->length == -1 - SALTUS_COUNT_PARAMETERS ? "parameters of the model"
+                            : f->length == -1 - SALTUS_COUNT_STOPS    ? "of stop 1, 2, ..., as in --set"
+                                                                      : f->meaning;
+        if (first[0])
+            fprintf(output.file, "# %s%s%s: %s%s\n", first, last[0] ? " to " : "", last, means,
+                    strcmp(f->unit, "T") == 0 ? ", in T" : "");
+    }
     for (long long k = -1; k < t->count && !ferror(output.file); k++)
         put_line(output.file, t, which, k);
     return saltus_output_close(&output, SALTUS_OK, r->message);

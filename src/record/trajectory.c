@@ -81,17 +81,11 @@ static saltus_status write_table(const char *path, const source *s, saltus_messa
         fprintf(file, ",%s", saltus_system_observable_name(s->system, k));
     fputs(",stop,side,event\n", file);
     for (long long row = 0; row < r->samples && !ferror(file); row++) {
-        const double observed[] = {r->displacement[row], r->velocity[row]};
         saltus_put_number(file, r->time[row]);
-        for (int i = 0; i < 2 + r->dimension; i++) {
-            fputc(',', file);
-            saltus_put_number(file, i < 2 ? observed[i] : r->states[row * r->dimension + i - 2]);
-        }
+        saltus_put_numbers(file, (const double[]){r->displacement[row], r->velocity[row]}, 2);
+        saltus_put_numbers(file, r->states + row * r->dimension, r->dimension);
         observe(s, row, seen);
-        for (int k = 0; k < observables; k++) {
-            fputc(',', file);
-            saltus_put_number(file, seen[k]);
-        }
+        saltus_put_numbers(file, seen, observables);
         if (event < r->event_count && r->event_rows[event] == row) {
             saltus_face face = saltus_system_face(s->system, r->events[event].face);
             fprintf(file, ",%d,%s,%s\n", face.stop + 1, saltus_side_word(face.side),
