@@ -197,13 +197,13 @@ static bool add_value(const cli_option *own, const char *text, cli_list *list) {
     return true;
 }
 
-static void keep_words(cli_request *request, int count, char **words) {
+static void keep_words(cli_request *request, int count, const char *const *words) {
     for (int k = 0; k < count && request->word_count < CLI_WORDS_MAX; k++)
         request->words[request->word_count++] = words[k];
 }
 
 /* Process one option with its values; returns the number of arguments used, 0 after a message. */
-static int take_option(int count, char **arguments, cli_request *request) {
+static int take_option(int count, const char *const *arguments, cli_request *request) {
     /* Options that do not affect the results, only how the run proceeds and where its results go. */
     static const char apart[] = "-o --json --resume --force --quiet --format";
     const cli_command *command = request->command;
@@ -247,7 +247,7 @@ static int take_option(int count, char **arguments, cli_request *request) {
     return used;
 }
 
-bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request) {
+bool cli_parse(const cli_command *command, int count, const char *const *arguments, cli_request *request) {
     *request = (cli_request){.command = command,
                              .flow = saltus_flow_defaults(),
                              .orbit = saltus_orbit_defaults(),

@@ -164,7 +164,7 @@ typedef struct cli_entry {
  * are fewer. */
 bool cli_entry_at(const cli_command *command, int number, cli_entry *entry);
 /* Fill a request from the arguments after the subcommand; false after a message on stderr. */
-bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request);
+bool cli_parse(const cli_command *command, int count, const char *const *arguments, cli_request *request);
 /* The values of an option on the command line; an empty list if it was not given. */
 const cli_list *cli_values(const cli_request *request, const char *flag);
 bool cli_given(const cli_request *request, const char *flag);

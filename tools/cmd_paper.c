@@ -56,7 +56,7 @@ static void fill_in(const cli_request *request, const char *line, size_t length,
 }
 
 /* Split a line into words like a shell, with double quotes; returns their number. */
-static int cut(char *text, char *words[words_max]) {
+static int cut(char *text, const char *words[words_max]) {
     int count = 0;
     for (char *from = text, *to = text; *from && count < words_max;) {
         while (*from == ' ')
@@ -79,9 +79,8 @@ static int cut(char *text, char *words[words_max]) {
 static int run_line(const cli_request *request, const char *folder, bool checking, char *text) {
     static const char *const endings[] = {".h5", ".png", ".pdf", ".svg"};
     const bool goes_on = cli_given(request, "--resume");
-    char *words[words_max + added_max], quietly[] = "--quiet", again[] = "--resume", anew[] = "--force",
-                                        sized[] = "--size", bare[] = "--no-heading", size[64],
-                                        files[files_max][2 * line_size];
+    const char *words[words_max + added_max];
+    char files[files_max][2 * line_size];
     int count = cut(text, words), moved = 0;
     const cli_command *command = NULL;
     cli_request inner;
@@ -101,20 +100,19 @@ static int run_line(const cli_request *request, const char *folder, bool checkin
                 break;
             }
     if (cli_given(request, "--quiet"))
-        words[count++] = quietly;
+        words[count++] = "--quiet";
     /* How figures look. */
     if (draws && cli_given(request, "--size")) {
-        snprintf(size, sizeof size, "%s", cli_text(request, "--size"));
-        words[count++] = sized;
-        words[count++] = size;
+        words[count++] = "--size";
+        words[count++] = cli_text(request, "--size");
     }
     if (draws && cli_given(request, "--no-heading"))
-        words[count++] = bare;
+        words[count++] = "--no-heading";
     /* With --resume a sweep without a file simply starts; commands that cannot resume run again. */
     if (goes_on && command->together)
-        words[count++] = again;
+        words[count++] = "--resume";
     else if (goes_on || cli_given(request, "--force"))
-        words[count++] = anew;
+        words[count++] = "--force";
     if (!cli_parse(command, count - 1, words + 1, &inner))
         return CLI_FAILED;
     return (checking ? cli_check : cli_run)(command, &inner);

@@ -40,17 +40,6 @@ static const cli_option over = CLI_OPTION("--over", CLI_FILES, "file.h5 ...",
                                           "draw files of saltus continue over a sweep: branches over a "
                                           "diagram, curves of special points over a map");
 
-/* Read "key=value," at the beginning of a text; returns the rest, or NULL. */
-static const char *read_place(const char *text, char key[SALTUS_KEY_MAX], double *value) {
-    size_t length = strcspn(text, "=,");
-    if (length == 0 || length >= SALTUS_KEY_MAX || text[length] != '=')
-        return NULL;
-    memcpy(key, text, length);
-    key[length] = '\0';
-    const char *end = saltus_read_number_until(text + length + 1, ",", value);
-    return end && *end == ',' ? end + 1 : NULL;
-}
-
 /* Read the values of --range and --label; false after a message. */
 static bool read_wishes(const cli_list *ranges, saltus_plot_part *parts, const cli_list *texts,
                         saltus_plot_label *labels) {
@@ -60,8 +49,14 @@ static bool read_wishes(const cli_list *ranges, saltus_plot_part *parts, const c
     for (int k = 0; k < texts->count; k++) {
         saltus_plot_label *wanted = &labels[k];
         const char *rest = texts->items[k];
-        for (int axis = 0; axis < 2 && rest; axis++)
-            rest = read_place(rest, wanted->key[axis], &wanted->value[axis]);
+        for (int axis = 0; axis < 2 && rest; axis++) { /* "key=value," */
+            const size_t length = strcspn(rest, "=,");
+            const bool named = length > 0 && length < SALTUS_KEY_MAX && rest[length] == '=';
+            snprintf(wanted->key[axis], SALTUS_KEY_MAX, "%.*s", named ? (int)length : 0, rest);
+            const char *end =
+                named ? saltus_read_number_until(rest + length + 1, ",", &wanted->value[axis]) : NULL;
+            rest = end && *end == ',' ? end + 1 : NULL;
+        }
         if (!rest || !*rest)
             return cli_refuse(false, "--label %s: must have the form key=value,key=value,text",
                               texts->items[k]);

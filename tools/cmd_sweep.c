@@ -22,34 +22,13 @@ static const cli_option what =
                "always told (default turning,impacts over one axis, class over two)",
                kept);
 
-/* Convert a comma-separated list of words into bits; false after a message. */
-static bool read_what(const char *text, unsigned *keep) {
-    unsigned seen = 0; /* which words have been met */
-    *keep = 0;
-    for (const char *c = text; c;) {
-        size_t length = strcspn(c, ",");
-        int k = 0;
-        while (kept[k] && !(strlen(kept[k]) == length && strncmp(kept[k], c, length) == 0))
-            k++;
-        if (kept[k] && seen >> k & 1)
-            return cli_refuse(false, "--what %s: %s is given twice", text, kept[k]);
-        if (!kept[k])
-            return cli_refuse(false,
-                              "--what %s: must be a list of turning, impacts, stroboscopic, class, lyapunov "
-                              "and max with commas between them",
-                              text);
-        seen |= 1u << k;
-        *keep |= kept_bits[k];
-        c = c[length] ? c + length + 1 : NULL;
-    }
-    return true;
-}
-
 static int run(const cli_request *request) {
     static const unsigned passes[] = {1u << SALTUS_PASS_RESET, 1u << SALTUS_PASS_UP | 1u << SALTUS_PASS_DOWN,
                                       (1u << SALTUS_PASSES) - 1};
     const long transient_given = cli_whole(request, "--transient");
+    const char *what = cli_text(request, "--what");
     saltus_sweep_options how = request->sweep;
+    unsigned seen = 0; /* which words of --what have been met */
     int chosen = 0;
     if (!cli_given(request, "--over") || !request->output)
         return cli_refuse(CLI_BAD_INPUT, "sweep: needs --over key=lo:hi:n and -o file.h5 or file.csv");
@@ -59,8 +38,24 @@ static int run(const cli_request *request) {
     how.adaptive = transient_given < 0;
     if (!how.adaptive)
         how.transient = transient_given;
-    if (!read_what(cli_text(request, "--what"), &how.keep) ||
-        !cli_choose(request, "--start", starts, &chosen))
+    how.keep = 0;
+    for (const char *c = what; c;) {
+        size_t length = strcspn(c, ",");
+        int k = 0;
+        while (kept[k] && !(strlen(kept[k]) == length && strncmp(kept[k], c, length) == 0))
+            k++;
+        if (kept[k] && seen >> k & 1)
+            return cli_refuse(CLI_BAD_INPUT, "--what %s: %s is given twice", what, kept[k]);
+        if (!kept[k])
+            return cli_refuse(CLI_BAD_INPUT,
+                              "--what %s: must be a list of turning, impacts, stroboscopic, class, lyapunov "
+                              "and max with commas between them",
+                              what);
+        seen |= 1u << k;
+        how.keep |= kept_bits[k];
+        c = c[length] ? c + length + 1 : NULL;
+    }
+    if (!cli_choose(request, "--start", starts, &chosen))
         return CLI_BAD_INPUT;
     how.passes = passes[chosen];
     if ((request->to_stdout || strcmp(request->output, "-") == 0) &&

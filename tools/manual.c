@@ -235,6 +235,24 @@ void manual_page(const cli_command *command, FILE *file) {
     put_see(command->see, file);
 }
 
+/* The completion of an option's value: its words; file names where any text is allowed. */
+static void put_choices(const cli_command *command, const cli_entry *entry, FILE *file) {
+    const saltus_word *choices = entry->option ? entry->option->field.words : NULL;
+    const char *const *words = entry->own ? entry->own->words : NULL;
+    const char *const *endings = !words && strcmp(entry->flag, "--format") == 0 ? command->endings : NULL;
+    if (!choices && !words && !endings)
+        return;
+    fprintf(file, "        %s) words='", entry->flag);
+    for (; choices && choices->word; choices++)
+        fprintf(file, "%s ", choices->word);
+    for (; words && *words; words++)
+        fprintf(file, "%s ", *words);
+    for (; endings && *endings; endings++)
+        if (strcmp(*endings, ".h5") != 0)
+            fprintf(file, "%s ", *endings + 1);
+    fputs("' ;;\n", file);
+}
+
 void manual_completion(FILE *file) {
     fputs(
         "# Completion of saltus in bash; made from the commands' tables of options.\n"
@@ -253,24 +271,8 @@ void manual_completion(FILE *file) {
     for (int k = 0; manual_commands[k]; k++) {
         cli_entry entry;
         fprintf(file, "    %s)\n        case $before in\n", manual_commands[k]->name);
-        /* Completions of a flag's value: its words; file names where any text is allowed. */
-        for (int j = 0; cli_entry_at(manual_commands[k], j, &entry); j++) {
-            const saltus_word *choices = entry.option ? entry.option->field.words : NULL;
-            const char *const *words = entry.own ? entry.own->words : NULL;
-            const char *const *endings =
-                !words && strcmp(entry.flag, "--format") == 0 ? manual_commands[k]->endings : NULL;
-            if (!choices && !words && !endings)
-                continue;
-            fprintf(file, "        %s) words='", entry.flag);
-            for (; choices && choices->word; choices++)
-                fprintf(file, "%s ", choices->word);
-            for (; words && *words; words++)
-                fprintf(file, "%s ", *words);
-            for (; endings && *endings; endings++)
-                if (strcmp(*endings, ".h5") != 0)
-                    fprintf(file, "%s ", *endings + 1);
-            fputs("' ;;\n", file);
-        }
+        for (int j = 0; cli_entry_at(manual_commands[k], j, &entry); j++)
+            put_choices(manual_commands[k], &entry, file);
         fputs("        *) words='", file);
         for (int j = 0; cli_entry_at(manual_commands[k], j, &entry); j++)
             fprintf(file, "%s ", entry.flag);

@@ -179,34 +179,32 @@ static long long next_task(void *context) {
     return task;
 }
 
-/* Send a result to the first rank; waits while too many are on their way. */
-static saltus_status send_result(sweep_exchange *exchange, const saltus_sweep_result *result,
-                                 saltus_message *message) {
-    sweep_mail *mail = &exchange->mail;
-    const size_t size = saltus_sweep_packed_size(exchange->sweep, result);
-    void *bytes = malloc(size);
-    if (!bytes)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a result of %zu bytes", size);
-    saltus_sweep_pack(exchange->sweep, result, bytes);
-    pthread_mutex_lock(&exchange->lock);
-    while (mail->sending.bytes > sending_max && !*exchange->stop)
-        pthread_cond_wait(&exchange->changed, &exchange->lock);
-    saltus_status status = ranks_send(&mail->sending, bytes, size, message);
-    mail->sent += status == SALTUS_OK;
-    pthread_mutex_unlock(&exchange->lock);
-    return status;
-}
-
-/* Keep the result even if the run is being stopped. */
+/* Keep a result, even if the run is being stopped: the first rank writes it, others send it there and wait
+ * while too many are on their way. */
 static saltus_status take_result(void *context, const saltus_sweep_result *result, saltus_message *message) {
     sweep_exchange *exchange = context;
-    saltus_status status = (exchange->here > 0 ? send_result : write_result)(exchange, result, message);
+    sweep_mail *mail = &exchange->mail;
+    const size_t size = exchange->here > 0 ? saltus_sweep_packed_size(exchange->sweep, result) : 0;
+    void *bytes = size ? malloc(size) : NULL;
+    saltus_status status = SALTUS_OK;
+    if (exchange->here == 0)
+        status = write_result(exchange, result, message);
+    else if (!bytes)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a result of %zu bytes", size);
+    else
+        saltus_sweep_pack(exchange->sweep, result, bytes);
+    pthread_mutex_lock(&exchange->lock);
+    if (bytes) {
+        while (mail->sending.bytes > sending_max && !*exchange->stop)
+            pthread_cond_wait(&exchange->changed, &exchange->lock);
+        status = ranks_send(&mail->sending, bytes, size, message);
+        mail->sent += status == SALTUS_OK;
+    }
+    const bool stopped = *exchange->stop;
+    pthread_mutex_unlock(&exchange->lock);
     if (status != SALTUS_OK)
         stop_all(exchange, status, message);
-    pthread_mutex_lock(&exchange->lock);
-    bool stopped = *exchange->stop;
-    pthread_mutex_unlock(&exchange->lock);
-    return stopped ? dropped : SALTUS_OK;
+    return stopped || status != SALTUS_OK ? dropped : SALTUS_OK;
 }
 
 /* On the first rank: write a result of another one, if one has arrived and no thread is writing. */

@@ -73,7 +73,8 @@ int main(int count, char **arguments) {
     int code = CLI_FAILED;
     interrupt_catch();
     if (!command->together || ranks_join()) {
-        code = cli_parse(command, count - 2, arguments + 2, &request) ? CLI_DONE : CLI_BAD_INPUT;
+        code = cli_parse(command, count - 2, (const char *const *)arguments + 2, &request) ? CLI_DONE
+                                                                                           : CLI_BAD_INPUT;
         if (code == CLI_DONE && request.help)
             manual_help(command, stdout);
         else if (code == CLI_DONE)
