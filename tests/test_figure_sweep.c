@@ -590,9 +590,10 @@ static saltus_sweep_options number_options(void) {
 }
 
 /* A motion that leans to one side, at some points to the other. */
+static int leaning; /* its verdict */
 static void fill_sides(made_place *m) {
     const double sign = m->point == 3 || m->point == 5 ? -1 : 1, high = 0.3 + 0.01 * (double)m->point;
-    m->row[0] = made_periodic(1, 1);
+    m->row[0] = leaning == SALTUS_PERIODIC ? made_periodic(1, 1) : made_other(leaning);
     m->row[0].largest = sign > 0 ? high : 0.1;
     m->row[0].smallest = sign > 0 ? -0.1 : -high;
     m->row[0].largest_speed = 1;
@@ -606,14 +607,15 @@ static void mirror_images_are_not_joined(void **state) {
     saltus_sweep_options options = saltus_sweep_defaults();
     const saltus_axis axis = {.key = "omega", .count = 8, .low = 0.5, .high = 1.5};
     char path[path_size];
-    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_sides, 100);
-    for (int k = 0; k < 2; k++) {
-        const saltus_sweep_view how = {.view = views[k]};
+    for (int k = 0; k < 4; k++) {
+        const saltus_sweep_view how = {.view = views[k % 2]};
+        leaning = k < 2 ? SALTUS_PERIODIC : SALTUS_IRREGULAR;
+        made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_sides, 100);
         figure f = draw("s.h5", &how, "s.svg");
         const figure_element *links = figure_element_of(&f.panel[0], "$links", 0);
         assert_true(links && links->values.count == 8);
         for (int i = 1; i < 8; i++)
-            assert_true(links->values.joined[i] == (k == 1 || i < 3 || i == 7));
+            assert_true(links->values.joined[i] == (k % 2 == 1 || i < 3 || i == 7));
         figure_free(&f);
     }
 }

@@ -304,7 +304,7 @@ static const option_case cases[] = {
     {"plot", "--label", "", "plot ../in/plane.h5 -o x.png", "--label r=0.8,omega=2.6562,here",
      "text:script:here"},
     {"plot", "--label", "", "plot ../in/sweep.h5 --view impacts --over ../in/branch.h5 -o x.png",
-     "--label omega=1,impacts=0.5,here", "text:script:here"},
+     "--label omega=1,impacts=1.1,Mine", "text:script:Mine"},
     {"plot", "--view", "", "plot ../in/sweep.h5 -o x.png", "--view impacts", "differs:script"},
     {"plot", "--view", "", "plot ../in/sweep.h5 -o x.png", "--view stroboscopic", "differs:script"},
     {"plot", "--view", "", "plot ../in/map.h5 -o x.png", "--view attractors", "differs:script"},

@@ -182,12 +182,14 @@ static void put_points(const saltus_sweep_page *page) {
     }
 }
 
-/* Whether a periodic motion resembles the mirror image of another more than the motion itself: two attractors
- * that are mirror images of each other, met by turns, are not one that changes. */
+/* Whether a motion resembles the mirror image of another more than the motion itself: two attractors that are
+ * mirror images of each other, met by turns, are not one that changes. Of motions without a period, whose
+ * extremes scatter, both must lean clearly to their sides. */
 static bool mirrored(const saltus_sweep_row *a, const saltus_sweep_row *b) {
-    return a->verdict == SALTUS_PERIODIC &&
-           fabs(a->largest + b->smallest) + fabs(a->smallest + b->largest) <
-               0.5 * (fabs(a->largest - b->largest) + fabs(a->smallest - b->smallest));
+    const double clearly = 0.2, itself = fabs(a->largest - b->largest) + fabs(a->smallest - b->smallest),
+                 image = fabs(a->largest + b->smallest) + fabs(a->smallest + b->largest);
+    return image < 0.5 * itself &&
+           (a->verdict == SALTUS_PERIODIC || itself > clearly * (a->largest - a->smallest));
 }
 
 /* One number per trajectory, joined to the neighbour if both are of one class and, where displacements are
