@@ -98,7 +98,7 @@ static saltus_status bend_along(saltus_equations *e, const double *u, const doub
 
 saltus_status saltus_curve_leaving(saltus_equations *e, const double *u, const double *along, double *leaving,
                                    double *singular, saltus_message *message) {
-    const double apart = 1e-5, nothing = 1e-6;
+    const double apart = 1e-5, nothing = 1e-8;
     const int m = e->unknowns, c = e->count;
     double values[2] = {0}, form[2] = {0}, length = 0, *a = calloc((size_t)(m * (m + 4)), sizeof *a);
     double *one = a ? a + m * m : NULL, *other = one ? one + m : NULL, *left = one ? other + m : NULL,

@@ -153,11 +153,24 @@ static bool solve_bordered(saltus_extended *x, double theta) {
     return true;
 }
 
-/* A' v at u, by central differences of the Jacobian along v, of second order or, if `sharp`, of fourth. Near
- * changes of events there may be no orbits to difference with; the last A' v is then good enough. */
+/* The scaled speed of the slowest prescribed impact of the orbit last evaluated, but for those that graze. */
+static double slowest_impact(const saltus_extended *x) {
+    const double nothing = 1e-9;
+    int count;
+    const saltus_breach *breaches = saltus_shooting_breaches(x->orbits.shooting, &count);
+    double slowest = INFINITY;
+    for (int k = 0; k < count; k++)
+        if (breaches[k].kind == SALTUS_BREACH_SPEED && fabs(breaches[k].value) > nothing)
+            slowest = fmin(slowest, fabs(breaches[k].value));
+    return slowest;
+}
+
+/* A' v at u, by central differences of the Jacobian along v, of second order or, if `sharp`, of fourth. An
+ * impact's derivatives change over distances like its speed. Near changes of events there may be no orbits to
+ * difference with; the last A' v is then good enough. */
 static saltus_status renew_along(saltus_extended *x, const double *u, saltus_message *message) {
     static const double place[] = {1, -1, 2, -2}, share[] = {8. / 12, -8. / 12, -1. / 12, 1. / 12};
-    const double apart = x->sharp ? 1e-3 : 1e-4;
+    const double apart = (x->sharp ? 10 : 1) * fmin(1e-4, 0.5 * slowest_impact(x));
     saltus_equations *e = x->orbits.equations;
     const int c = e->count, m = e->unknowns, places = x->sharp ? 4 : 2;
     const size_t size = (size_t)(x->copies * c * m);
