@@ -1827,6 +1827,45 @@ static void tori_end_at_resonance(void **unused) {
     check_pipe_curve(SALTUS_POINT_NS, low, high, 10);
 }
 
+/* Two masses that hit each other eleven times in a period, at last with a millionth of the first speed: a run
+ * of impacts so steep that it hides from the flow, from tolerances and from distances at the section. Every
+ * curve ends at the range's border or where its last point says what it is, and the curve of tori from the
+ * folds' double multiplier 1 leads to grazing. */
+static void long_runs_end_no_curve(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {0.68, 0.5}, high[2] = {0.75, 0.63};
+    saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 0.681524);
+    set_parameter(&spec, "N", 2);
+    set_parameter(&spec, "c2", 0.1);
+    add_stop(&spec, 0.581022, 0.358061, SALTUS_UPPER);
+    spec.stops[0].weight[0] = 1;
+    spec.stops[0].weight[1] = -1;
+    saltus_motion motion = settled(&spec);
+    saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);
+    options.switches = 2;
+    options.step = 0.01;
+    options.step_max = 0.04;
+    branch_record record = branch_run(&spec, motion.periods, motion.state, &options);
+    bool twice = false;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        if (p->kind == SALTUS_POINT_EP)
+            assert_true(strstr(p->reason, "range") ||
+                        (p->step > 1 && p[-1].kind >= SALTUS_POINT_CP && at_one_place(p, p - 1)));
+        twice = twice || (p->locus == SALTUS_POINT_GR && p->periods == 2 && p->step > 10);
+    }
+    assert_true(twice);
+    const saltus_branch_point *folds = first_of(&record, SALTUS_POINT_R1, SALTUS_POINT_LP),
+                              *tori = first_of(&record, SALTUS_POINT_R1, SALTUS_POINT_NS);
+    for (int i = 0; i < 2; i++)
+        check_near(tori->value[i], folds->value[i], 1e-9 * (high[i] - low[i]));
+    first_of(&record, SALTUS_POINT_GR_NS, SALTUS_POINT_NS);
+    branch_forget(&record);
+    saltus_motion_clear(&motion);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_in_closed_form),
@@ -1867,6 +1906,7 @@ int main(void) {
         cmocka_unit_test(pipe_grazing),
         cmocka_unit_test(pipe_tori),
         cmocka_unit_test(tori_end_at_resonance),
+        cmocka_unit_test(long_runs_end_no_curve),
     };
     return cmocka_run_group_tests(tests, make_network, drop_network);
 }

@@ -362,7 +362,13 @@ bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *her
 }
 
 double saltus_locus_sharpness(saltus_extended *x, const saltus_locus_point *here, double usual) {
-    const double sharp = 1e-12, near = 0.1;
+    const double sharp = 1e-12, near = 0.1, share = 1e-4;
     const int parts = may_join(x, &here->orbit);
-    return parts && saltus_locus_distance(x, &here->orbit, parts) < near ? sharp : usual;
+    if (parts && saltus_locus_distance(x, &here->orbit, parts) < near)
+        return sharp;
+    double slowest = INFINITY;
+    for (int k = 0; k < here->orbit.breach_count && x->kind != SALTUS_POINT_GR; k++)
+        if (here->orbit.breaches[k].kind == SALTUS_BREACH_SPEED)
+            slowest = fmin(slowest, -here->orbit.breaches[k].value);
+    return fmin(fmax(share * slowest, sharp), usual);
 }

@@ -43,7 +43,8 @@ static const double saltus_alike = 5e-4;
 bool saltus_locus_halves_ahead(saltus_extended *extended, const saltus_locus_point *here,
                                const saltus_locus_point *next, double *ahead);
 /* The tolerance of the equations for a step from `here`: sharper than the `usual` one near there, where the
- * function that is zero on the curve is of fourth order in how far the halves are apart. */
+ * function that is zero on the curve is of fourth order in how far the halves are apart; and where impacts
+ * are slow, as an error changes multipliers in its ratio to the speed. */
 double saltus_locus_sharpness(saltus_extended *extended, const saltus_locus_point *here, double usual);
 
 #endif

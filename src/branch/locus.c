@@ -132,8 +132,14 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
         for (int k = 0; k < l->here.orbit.sequence.count && l->here.orbit.sequence.base != base; k++)
             l->x.mark = order[k] == mark ? k : l->x.mark;
     }
+    if (status == SALTUS_OK && !crossing) {
+        const double usual = l->x.equations.tolerance;
+        l->x.equations.tolerance = saltus_locus_sharpness(&l->x, &l->here, usual);
+        status = saltus_locus_find_near(&l->x, &l->here, start->theta, message);
+        l->x.equations.tolerance = usual;
+    }
     if (status != SALTUS_OK || !crossing)
-        return status == SALTUS_OK ? saltus_locus_find_near(&l->x, &l->here, start->theta, message) : status;
+        return status;
     status = saltus_locus_take_up(&l->x, &l->here, l->here.orbit.at.u, 0, message);
     return status == SALTUS_OK ? saltus_locus_find_crossing(&l->x, &l->here, start->leaves, message) : status;
 }
@@ -195,6 +201,8 @@ saltus_status saltus_locus_open(saltus_locus *l, const saltus_spec *spec, const 
     saltus_orbits *o = &l->x.orbits;
     l->x.equations = (saltus_equations){
         .self = &l->x, .evaluate = saltus_extended_evaluate, .iterations = options->orbit.iterations};
+    /* The equations of a slow impact's time are steep: residuals may grow first. */
+    l->x.equations.bold = true;
     o->options = options->orbit;
     o->options.flow.stop = NULL;
     saltus_status status = saltus_branch_family(spec, options, 2, &o->family, l->origin, l->border, message);
@@ -304,11 +312,15 @@ static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found
     const bool stays = begins_crossing(l) && l->x.mirrored;
     const bool branches = l->x.kind == SALTUS_POINT_BP && l->x.mirrored;
     const bool sharp = leaves || stays || branches;
-    double longest = sharp ? 1e-3 : 1e-4, usual = l->x.equations.tolerance;
+    const double usual = l->x.equations.tolerance, little = 4e-6, farthest = 0.1;
     *why = (saltus_message){.text = ""};
     saltus_status status = SALTUS_OK;
     *found = false;
-    const double leaving = leaves ? fmax(1e-7, fmin(1e-3, 0.5 * saltus_locus_leaving(&l->x, &l->here))) : 0;
+    /* A run of impacts leaves little of what makes the halves unlike: the first step must be long enough to
+     * show it. */
+    const double rate = leaves ? saltus_locus_leaving(&l->x, &l->here) : 1;
+    const double leaving = leaves ? fmax(1e-8, fmin(1e-3, 0.5 * rate)) : 0;
+    const double longest = sharp ? fmin(fmax(1e-3, little / rate), farthest) : 1e-4;
     const int tries = 4 * (1 + turns), rounds = sharp ? 3 : 1;
     for (int k = 0; k < rounds * tries && !*found && status != SALTUS_NO_MEMORY; k++) {
         const double ahead = longest * shorter[k % tries / (1 + turns)];
@@ -621,23 +633,20 @@ static saltus_status meet_rest(saltus_locus *l, saltus_message *message) {
 static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed,
                                saltus_message *message) {
     const int c = l->x.orbits.equations->count;
-    const double usual = l->x.equations.tolerance;
     const saltus_curve_bound bounds[2] = {{c, l->border[0][0], l->border[0][1]},
                                           {c + 1, l->border[1][0], l->border[1][1]}};
     saltus_message why = {.text = ""};
     for (;;) {
         bool found = false, shorter;
         for (; !found && l->trail->step > stride_min; l->trail->step *= found ? 1 : 0.5) {
-            l->x.equations.tolerance = saltus_locus_sharpness(&l->x, &l->here, usual);
             saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step, bounds, 2,
                                                      &l->next.at, reached, &why);
-            l->x.equations.tolerance = usual;
             if (status == SALTUS_OK)
                 status = saltus_locus_see(&l->x, &l->next, &why);
             if (status == SALTUS_NO_MEMORY)
                 return saltus_branch_no_memory(message);
             found = status == SALTUS_OK && is_near(l) && !saltus_locus_strays(&l->here, &l->next) &&
-                    saltus_locus_is_sound(&l->x, &l->next);
+                    saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
         if (!found)
             return give_end(l, message);
@@ -683,9 +692,8 @@ static saltus_status pass_corner(saltus_locus *l, const struct saltus_locus_zero
     const saltus_survey *survey = &l->trial.orbit.survey;
     const bool real = corner.kind == SALTUS_POINT_GR_NS && !corner.breach && !isfinite(corner.theta);
     const bool resonance = corner.kind == SALTUS_POINT_R1 || corner.kind == SALTUS_POINT_R2;
-    const bool simple =
-        found && resonance && l->x.kind != SALTUS_POINT_NS && survey->walked &&
-        !saltus_locus_has_pair(survey, l->x.orbits.n, corner.kind == SALTUS_POINT_R1 ? 0 : M_PI);
+    const bool simple = found && resonance && l->x.kind != SALTUS_POINT_NS && survey->walked &&
+                        !saltus_locus_has_pair(&l->x, corner.kind == SALTUS_POINT_R1 ? 0 : M_PI);
     return !found || real || simple || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach)
                ? SALTUS_OK
                : give_corner(l, corner, zero->place, moved, message);
@@ -721,9 +729,12 @@ saltus_status saltus_locus_step(saltus_locus *l, bool *more, saltus_message *mes
     saltus_locus_starts *starts = l->starts;
     saltus_status status = SALTUS_OK;
     *more = true;
-    if (l->trail->following)
+    if (l->trail->following) {
+        const double usual = l->x.equations.tolerance;
+        l->x.equations.tolerance = saltus_locus_sharpness(&l->x, &l->here, usual);
         status = advance(l, message);
-    else if (l->way < l->way_count)
+        l->x.equations.tolerance = usual;
+    } else if (l->way < l->way_count)
         status = begin(l, begins_crossing(l) && !l->x.mirrored, message);
     else if ((*more = saltus_locus_starts_wait(starts, false)))
         /* The list may grow while the curve is followed. */

@@ -238,35 +238,47 @@ bool saltus_locus_joins_at(saltus_extended *x, const saltus_locus_point *here, c
     return apart < near && !(breach && apart > 0.5 * saltus_locus_apart(x, &here->orbit, NULL));
 }
 
-bool saltus_locus_has_pair(const saltus_survey *survey, int n, double theta) {
+bool saltus_locus_has_pair(saltus_extended *x, double theta) {
     const double near = 1e-2;
-    const saltus_multiplier *m = survey->multipliers;
+    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
+    const int n = saltus_corner_multipliers(x->orbits.shooting, x->orbits.n, re, im);
+    if (n < 0)
+        x->orbits.starved = true;
     /* Where the pair meets, an error moves both apart by its root, but their sum and product only by itself.
      */
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++)
-            if (hypot(m[i].re + m[j].re - 2 * cos(theta), m[i].im + m[j].im) < near &&
-                hypot(m[i].re * m[j].re - m[i].im * m[j].im - 1, m[i].re * m[j].im + m[i].im * m[j].re) <
-                    near)
+            if (hypot(re[i] + re[j] - 2 * cos(theta), im[i] + im[j]) < near &&
+                hypot(re[i] * re[j] - im[i] * im[j] - 1, re[i] * im[j] + im[i] * re[j]) < near)
                 return true;
     return false;
 }
 
-bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *p) {
-    const double apart = 1e-6;
+/* Whether nothing is left to the flow. */
+static bool is_prescribed(const saltus_sequence *s) {
+    bool driven = s->driven;
+    for (int k = 0; k < s->count; k++)
+        driven = driven || s->mark[k].driven;
+    return !driven;
+}
+
+bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *here, const saltus_locus_point *p) {
+    const double apart = 1e-6, nothing = 1e-9;
     const saltus_solution *s = &p->orbit;
     if (x->kind == SALTUS_POINT_BP && !(fabs(p->at.u[s->at.unknowns]) < 1e-8))
         return false;
-    double breach = saltus_corner_breach(x, s);
-    if (breach > 1e-9)
+    const double breach = saltus_corner_breach(x, s);
+    if (breach > nothing)
         return true;
-    if (x->kind == SALTUS_POINT_NS && s->survey.walked &&
-        !saltus_locus_has_pair(&s->survey, x->orbits.n, p->at.u[s->at.unknowns]))
+    if (x->kind == SALTUS_POINT_NS && s->survey.walked && !saltus_locus_has_pair(x, p->at.u[s->at.unknowns]))
         return false;
-    if (x->kind == SALTUS_POINT_GR)
-        return breach < -apart || saltus_locus_apart(x, s, NULL) >= apart;
-    /* A breach as small as that of the last impacts of a long run is judged by the flow. */
-    return s->survey.follows || breach > 0;
+    if (x->kind != SALTUS_POINT_GR)
+        /* What is left to the flow it judges; prescribed impacts may be too slow for it. */
+        return s->survey.follows || breach > 0 || is_prescribed(&s->sequence);
+    const double distance = breach < -apart ? INFINITY : saltus_locus_apart(x, s, NULL);
+    /* Beyond a long run of impacts what makes the halves unlike is always small. */
+    return distance >= apart ||
+           (distance > nothing && distance > 0.5 * saltus_locus_apart(x, &here->orbit, NULL));
 }
 
 bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_point *to) {

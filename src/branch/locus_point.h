@@ -83,10 +83,12 @@ bool saltus_locus_joins_at(saltus_extended *extended, const saltus_locus_point *
                            const saltus_solution *orbit, bool breach);
 /* Whether the point is a valid orbit, special in the way that is followed. Beyond another impact's birth or
  * death it is not valid, but accepted, since the curve leads to that place. */
-bool saltus_locus_is_sound(saltus_extended *extended, const saltus_locus_point *point);
-/* Whether two of n multipliers are e^{i theta} and its conjugate: at folds the equations of tori hold with
- * theta = 0 and a single multiplier 1. */
-bool saltus_locus_has_pair(const saltus_survey *survey, int n, double theta);
+bool saltus_locus_is_sound(saltus_extended *extended, const saltus_locus_point *here,
+                           const saltus_locus_point *point);
+/* Whether two multipliers of the orbit last evaluated are e^{i theta} and its conjugate: at folds the
+ * equations of tori hold with theta = 0 and a single multiplier 1. They are those of the prescribed events:
+ * the flow may miss an impact that is too slow for it. */
+bool saltus_locus_has_pair(saltus_extended *extended, double theta);
 
 /* Where the pair of multipliers meets, at theta = 0 or pi, the equations are singular, but the curve is even
  * in theta. So `at` is interpolated in theta squared from regular points of the curve; if these cannot be
