@@ -1562,7 +1562,7 @@ static void an_interrupted_network_goes_on(void **unused) {
     saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);
     options.switches = 2;
     options.step = options.step_max = 0.1;
-    assert_true(branch_check_resumed(&spec, motion.periods, motion.state, &options, 331) > 2);
+    assert_true(branch_check_resumed(&spec, motion.periods, motion.state, &options, 200) > 2);
     saltus_motion_clear(&motion);
     if (!long_version())
         return;
