@@ -402,6 +402,23 @@ static void undamped_fold(void **unused) {
     }
 }
 
+/* Without damping multipliers of motion without impacts stay on the unit circle and never cross it. */
+static void undamped_motion_has_no_tori(void **unused) {
+    (void)unused;
+    const double omega = 1.6, state[2] = {1 / (1 - omega * omega), 0};
+    saltus_spec spec = oscillator_spec(0, 1, 1, omega);
+    add_stop(&spec, 5, 0.8, SALTUS_BOTH);
+    for (int k = 0; k < 2; k++) {
+        saltus_branch_options options = branch_along("omega", 1.2, 2.3);
+        options.step = options.step_max = k ? 0.005 : 0.02;
+        branch_record record = branch_run(&spec, 1, state, &options);
+        assert_true(record.count > 50);
+        for (int j = 0; j < record.count; j++)
+            assert_true(record.point[j].kind != SALTUS_POINT_NS);
+        branch_forget(&record);
+    }
+}
+
 /* The ball on the table: orbits of k periods begin at a fold and flip as the table's acceleration grows. */
 static void vibrating_table(void **unused) {
     (void)unused;
@@ -1631,6 +1648,7 @@ int main(void) {
         cmocka_unit_test(touches_of_the_image),
         cmocka_unit_test(demo_of_grazing),
         cmocka_unit_test(undamped_fold),
+        cmocka_unit_test(undamped_motion_has_no_tori),
         cmocka_unit_test(vibrating_table),
         cmocka_unit_test(flips_are_joined),
         cmocka_unit_test(flips_are_joined_with_light_damping),

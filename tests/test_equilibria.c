@@ -722,8 +722,22 @@ static void commands_hand_equilibria_on(void **state) {
         run(f, "continue impact-oscillator --in omega=0.9:1.1 --locus HB --and d=0.9:1.1 -o no.h5"), 2);
 }
 
+/* Without damping eigenvalues stay on the imaginary axis and never cross it. */
+static void undamped_rests_have_no_hopf_points(void **unused) {
+    (void)unused;
+    saltus_scene scene =
+        scene_of("k: {default: 1}", "-k*x - x^3 + 0.3*y, y: -2*y + 0.3*x", "initial: {x: 0, y: 0}\n");
+    saltus_branch_options options = branch_along("k", 0.5, 3);
+    branch_record record = follow(&scene, &options);
+    assert_true(record.count > 20);
+    for (int k = 0; k < record.count; k++)
+        assert_true(record.point[k].kind != SALTUS_POINT_HB);
+    branch_forget(&record);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(undamped_rests_have_no_hopf_points),
         cmocka_unit_test(a_fold_is_where_two_equilibria_meet),
         cmocka_unit_test(branches_leave_at_branch_points),
         cmocka_unit_test(hopf_points_have_the_coefficient_of_the_normal_form),

@@ -321,6 +321,16 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
     return saltus_starts_add(e->cycles, &start, message);
 }
 
+/* Whether a pair of eigenvalues is imaginary to rounding. If one is at both ends of a step, as without
+ * damping, it crosses the axis by rounding only. */
+static bool has_imaginary_pair(const saltus_rest *s) {
+    const double rounding = 1e-9;
+    bool has = false;
+    for (int k = 0; k < s->rate_count; k++)
+        has = has || fabs(s->rates[k].re) < rounding * fabs(s->rates[k].im);
+    return has;
+}
+
 /* Find all special points of the step from `here` to `next`, and give them out in order. */
 static saltus_status give_specials(saltus_equilibria *e, saltus_message *message) {
     static const struct {
@@ -335,6 +345,7 @@ static saltus_status give_specials(saltus_equilibria *e, saltus_message *message
     saltus_rest *at = e->trial;
     saltus_special places[SALTUS_BRANCH_VALUES_MAX + kinds];
     saltus_status status = SALTUS_OK;
+    const bool undamped = has_imaginary_pair(e->here) && has_imaginary_pair(e->next);
     int count = 0;
     for (int k = 0; k < kinds + options->value_count; k++) {
         const bool own = k < kinds;
@@ -343,7 +354,8 @@ static saltus_status give_specials(saltus_equilibria *e, saltus_message *message
                                 .target = own ? 0 : options->values[k - kinds]};
         sought a = {e, found.test, -1, found.target};
         const double near = value_at(&a, e->here), far = value_at(&a, e->next);
-        if ((own && e->trail->fresh) || !saltus_test_crosses(near, far))
+        if ((own && e->trail->fresh) || !saltus_test_crosses(near, far) ||
+            (undamped && found.kind == SALTUS_POINT_HB))
             continue;
         const saltus_zero zero =
             found.kind == SALTUS_POINT_BP ? find_crossing(e, reach * near / (near - far)) : find_zero(&a);

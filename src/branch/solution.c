@@ -391,9 +391,9 @@ const saltus_breach *saltus_solution_touch(const saltus_solution *at) {
     return &at->worst;
 }
 
-bool saltus_pair_on_circle(const saltus_survey *survey) {
+bool saltus_pair_on_circle(const saltus_survey *survey, double close) {
     for (int i = 0; i < survey->multiplier_count; i++)
-        if (fabs(survey->multipliers[i].log_modulus) < 1e-6 && survey->multipliers[i].im != 0)
+        if (fabs(survey->multipliers[i].log_modulus) < close && survey->multipliers[i].im != 0)
             return true;
     return false;
 }

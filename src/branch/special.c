@@ -100,6 +100,12 @@ static bool look(saltus_orbits *o, const saltus_solution *from, double ahead, sa
 
 enum { places_max = 8, tested_max = 8 };
 
+/* Whether a pair stays on the unit circle, as of orbits without damping: it crosses by rounding only. */
+static bool stays_on_circle(const saltus_solution *from, const saltus_solution *to) {
+    const double rounding = 1e-9;
+    return saltus_pair_on_circle(&from->survey, rounding) && saltus_pair_on_circle(&to->survey, rounding);
+}
+
 /* Add the zeros of tests. A test may have two zeros on a step around the zero of another one: where a branch
  * turns back into orbits that it has passed already, all other tests do; and where a single multiplier
  * crosses the unit circle, a pair of real ones may pass the product 1. So the tests are compared at the zeros
@@ -118,8 +124,9 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
         return 0;
     if (fresh)
         places[0] = place_of(scratch, from, beyond);
+    const int kind_count = stays_on_circle(from, to) ? 3 : 4;
     for (int pass = 0; pass < 2; pass++)
-        for (int k = 0; k < 4; k++) {
+        for (int k = 0; k < kind_count; k++) {
             const saltus_test test = kinds[k].test;
             const int before = count, compared = known;
             place last = places[0];
@@ -427,7 +434,7 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
                                    saltus_message *message) {
     saltus_zero crossing = {.found = false};
     const double still = 0.2; /* relative to the orbit before */
-    const double sharp = 1e-7;
+    const double sharp = 1e-7, circle = 1e-6;
     *is_one = false;
     saltus_test by = special->kind == SALTUS_POINT_HB ? SALTUS_TEST_ONWARD : SALTUS_TEST_CROSSING;
     if (special->kind == SALTUS_POINT_BP || special->kind == SALTUS_POINT_HB)
@@ -441,7 +448,7 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
     if (status != SALTUS_OK)
         return status;
     special->value = at->value;
-    *is_one = special->kind == SALTUS_POINT_NS ? saltus_pair_on_circle(&at->survey)
+    *is_one = special->kind == SALTUS_POINT_NS ? saltus_pair_on_circle(&at->survey, circle)
               : special->kind == SALTUS_POINT_HB
                   ? at->speed < still
                   : special->test == SALTUS_TEST_VALUE || !forgets_all(&at->survey);
