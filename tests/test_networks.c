@@ -259,6 +259,7 @@ static void families_begin_no_curve(void **unused) {
  * multiplier is not felt, folds end slowly: the place is told by that orbit's curve of grazing. */
 static void folds_end_where_grazing_is_not_felt(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const network networks[] = {{"duffing",
                                         "F=0.531242 omega=1.725 d=1.278 c=0.132799 r=0.763278 sides=both",
                                         SALTUS_POINT_LP,
@@ -363,6 +364,7 @@ static void last_impacts_are_hardly_felt(void **unused) {
  * place; places on the curve itself lead there only roughly, and some lie on the shorter orbits' curve. */
 static void grazing_joins_at_flips(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const double state[] = {0.029608042991023265, -0.0025607386748760222, 0.19135124574612891,
                                    0.025406592292039346};
     const network network = {"fig7d",
