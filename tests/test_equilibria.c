@@ -733,6 +733,7 @@ static void undamped_rests_have_no_hopf_points(void **unused) {
     for (int k = 0; k < record.count; k++)
         assert_true(record.point[k].kind != SALTUS_POINT_HB);
     branch_forget(&record);
+    saltus_scene_clear(&scene);
 }
 
 int main(void) {
