@@ -2,11 +2,12 @@
  *
  * Adaptive: it settles until its period is certain and is then recorded once around the orbit, or, if no
  * period is certain in the given time, for a number of periods. Fixed: it runs and is recorded for given
- * numbers of periods; then it settles, if anything recurs, and goes once around its orbit to be counted. The
- * disturbance that proves an orbit stable is tried at the end of a long transient, where it costs nothing; a
- * trajectory that does not return in time goes on from where it was, and is disturbed after the record. If
- * exponents are wanted, that of an orbit is computed last, from its multipliers, and a motion without a
- * period is then measured (measure.c).
+ * numbers of periods; then it settles, if anything recurs, and goes once around its orbit to be counted and
+ * measured. The disturbance that proves an orbit stable is tried at the end of a long transient, where it
+ * costs nothing; a trajectory that does not return in time goes on from where it was, and is disturbed after
+ * the record. One that does is not observed while it is recorded, and if in the end it is on no orbit all the
+ * same, it is recorded again. If exponents are wanted, that of an orbit is computed last, from its
+ * multipliers, and a motion without a period is then measured (measure.c).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
