@@ -128,6 +128,12 @@ static void keep_close(saltus_close *close, double re, double im) {
     }
 }
 
+void saltus_corner_still(const saltus_orbits *o, int mark) {
+    saltus_equations *e = o->equations;
+    const int entry = o->n * saltus_shooting_sequence(o->shooting)->cuts + mark;
+    e->jacobian[entry * e->unknowns + entry] = 0;
+}
+
 bool saltus_corner_closing(saltus_shooting *shooting, int turned, saltus_scaled *value) {
     const saltus_equations *e = saltus_shooting_equations(shooting);
     const int c = e->count, row = saltus_shooting_closing_row(shooting);
@@ -347,14 +353,9 @@ static bool measure_grazing(const saltus_extended *x, const saltus_solution *s, 
         for (int k = 0; k < of_orbit; k++)
             tests[without][k] = (saltus_locus_test){
                 .kind = kinds[k], .value = {NAN, 0}, .without = without, .theta = k == of_pair ? NAN : 0};
-    saltus_equations *e = x->orbits.equations;
-    /* The grazing impact has no speed but for a residual, which would count in the functions where other
-     * impacts after it lose its effects. */
     for (int k = 0; k < s->breach_count; k++)
-        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k])) {
-            const int entry = x->orbits.n * s->sequence.cuts + s->breaches[k].mark;
-            e->jacobian[entry * e->unknowns + entry] = 0;
-        }
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
+            saltus_corner_still(&x->orbits, s->breaches[k].mark);
     const saltus_status status = evaluate_without(x, s, &shooting, &ignored);
     const bool room = status != SALTUS_NO_MEMORY &&
                       (status != SALTUS_OK || measure_orbit(shooting, x->orbits.n, tests[1])) &&

@@ -58,6 +58,9 @@ saltus_status saltus_corner_tell(const saltus_extended *extended, const saltus_l
                                  const saltus_solution *orbit, saltus_point_kind *kind,
                                  saltus_message *message);
 
+/* Take the speed of the impact of a mark, which grazes, as zero in the equations last evaluated: what they
+ * have is a residual, which would count where other impacts after it lose its effects. */
+void saltus_corner_still(const saltus_orbits *orbits, int mark);
 /* The determinant of the equations last evaluated by a shooting at fixed parameters: zero at a fold. With
  * `turned` closing rows, all of them, for an orbit that closes on minus its beginning: zero at a flip. False
  * without memory. */

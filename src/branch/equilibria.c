@@ -281,6 +281,14 @@ static saltus_status find(saltus_equilibria *e, const saltus_rest *at, int face,
     return SALTUS_OK;
 }
 
+/* Whether the real parts of a pair of eigenvalues are this small, relative to the imaginary ones. */
+static bool has_imaginary_pair(const saltus_rest *s, double close) {
+    for (int k = 0; k < s->rate_count; k++)
+        if (fabs(s->rates[k].re) < close * fabs(s->rates[k].im))
+            return true;
+    return false;
+}
+
 /* Give out the Hopf point `at`, with what it says about the cycles born there. Two real eigenvalues of
  * opposite sign are no Hopf point. */
 static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, saltus_notice what,
@@ -288,10 +296,7 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
     const double on_axis = 1e-6;
     saltus_hopf hopf;
     char reason[SALTUS_REASON_MAX];
-    bool pair = false;
-    for (int k = 0; k < at->rate_count; k++)
-        pair = pair || (at->rates[k].im > 0 && fabs(at->rates[k].re) < on_axis * at->rates[k].im);
-    if (!pair)
+    if (!has_imaginary_pair(at, on_axis))
         return SALTUS_OK;
     saltus_status status = saltus_hopf_find(&e->rests, at, &hopf);
     if (status == SALTUS_NO_MEMORY)
@@ -321,16 +326,6 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
     return saltus_starts_add(e->cycles, &start, message);
 }
 
-/* Whether a pair of eigenvalues is imaginary to rounding. If one is at both ends of a step, as without
- * damping, it crosses the axis by rounding only. */
-static bool has_imaginary_pair(const saltus_rest *s) {
-    const double rounding = 1e-9;
-    bool has = false;
-    for (int k = 0; k < s->rate_count; k++)
-        has = has || fabs(s->rates[k].re) < rounding * fabs(s->rates[k].im);
-    return has;
-}
-
 /* Find all special points of the step from `here` to `next`, and give them out in order. */
 static saltus_status give_specials(saltus_equilibria *e, saltus_message *message) {
     static const struct {
@@ -345,7 +340,9 @@ static saltus_status give_specials(saltus_equilibria *e, saltus_message *message
     saltus_rest *at = e->trial;
     saltus_special places[SALTUS_BRANCH_VALUES_MAX + kinds];
     saltus_status status = SALTUS_OK;
-    const bool undamped = has_imaginary_pair(e->here) && has_imaginary_pair(e->next);
+    /* Without damping a pair stays on the axis and crosses it by rounding only. */
+    const double rounding = 1e-9;
+    const bool undamped = has_imaginary_pair(e->here, rounding) && has_imaginary_pair(e->next, rounding);
     int count = 0;
     for (int k = 0; k < kinds + options->value_count; k++) {
         const bool own = k < kinds;

@@ -76,11 +76,8 @@ static bool test_at(shorter *s, double ahead, double *value) {
         status = evaluate_without(s, &without, NULL);
     else if (status == SALTUS_OK && (multipliers || grazes))
         status = saltus_equations_evaluate(o->equations, s->at.u, NULL);
-    if (status == SALTUS_OK && grazes && !s->without) {
-        /* The grazing impact has no speed but for a residual. */
-        const int entry = o->n * saltus_shooting_sequence(o->shooting)->cuts + s->x.mark;
-        o->equations->jacobian[entry * o->equations->unknowns + entry] = 0;
-    }
+    if (status == SALTUS_OK && grazes && !s->without)
+        saltus_corner_still(o, s->x.mark);
     if (status == SALTUS_OK && grazes)
         status = saltus_corner_closing(without ? without : o->shooting, flips ? o->n : 0, &closing)
                      ? SALTUS_OK

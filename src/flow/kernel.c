@@ -542,7 +542,7 @@ KERNEL_INLINE lane_t approximate_root(lane_t x, double inverse) {
     return lane_fma(scale * fraction, rest, scale);
 }
 
-/* What a work is made of, as constants where one trajectory is alone. */
+/* What a work is made of, as constants in the plain cases. */
 typedef struct shape {
     int packs, columns, extra, contacts, degree_least, degree_most;
 } shape;
@@ -556,22 +556,17 @@ KERNEL_INLINE shape shape_of(const saltus_work *w) {
                    .degree_most = w->degree_most};
 }
 
-KERNEL_INLINE bool is_alone(const saltus_work *w) {
-    return LANES == 1 && row_packs(w->dof) == 1 && w->columns == 0 && w->extra == 0 && w->hold.count == 0;
-}
-
-KERNEL_INLINE shape shape_alone(const saltus_work *w) {
-    return (shape){.packs = 1, .degree_least = w->degree_most, .degree_most = w->degree_most};
-}
-
-/* Wide lanes of one degree, without anything but displacements and velocities. */
+/* Whether there is nothing but displacements and velocities: one trajectory's, in one pack, or those of wide
+ * lanes of one degree. */
 KERNEL_INLINE bool is_plain(const saltus_work *w) {
-    return LANES > 1 && w->columns == 0 && w->extra == 0 && w->hold.count == 0 &&
-           w->degree_least == w->degree_most;
+    return (LANES == 1 ? row_packs(w->dof) == 1 : w->degree_least == w->degree_most) && w->columns == 0 &&
+           w->extra == 0 && w->hold.count == 0;
 }
 
 KERNEL_INLINE shape shape_plain(const saltus_work *w) {
-    return (shape){.packs = row_packs(w->dof), .degree_least = w->degree_most, .degree_most = w->degree_most};
+    return (shape){.packs = LANES == 1 ? 1 : row_packs(w->dof),
+                   .degree_least = w->degree_most,
+                   .degree_most = w->degree_most};
 }
 
 /* Norm of a column at one order: max of |q_k|, |v_k| / omega_unit, |e_k|. */
@@ -669,9 +664,7 @@ KERNEL_INLINE void measure_shape(saltus_work *w, shape f) {
 }
 
 KERNEL_INLINE void measure(saltus_work *w) {
-    if (is_alone(w))
-        measure_shape(w, shape_alone(w));
-    else if (is_plain(w))
+    if (is_plain(w))
         measure_shape(w, shape_plain(w));
     else
         measure_shape(w, shape_of(w));

@@ -28,8 +28,7 @@ static bool stage_ends(const saltus_sweep_trajectory *t) {
 /* Whether the observed displacement matters in the present stage. That of a proven orbit is measured on the
  * lap after the recording. */
 static bool observes(const saltus_sweep_trajectory *t) {
-    return t->active &&
-           (t->proof.proven == 0 || t->active == &t->round || t->active->keep & SALTUS_KEEP_TURNING);
+    return t->active && (!t->proof.proven || t->active == &t->round || t->active->keep & SALTUS_KEEP_TURNING);
 }
 
 /* Events to watch in the present stage. */
@@ -159,7 +158,7 @@ bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow
     t->before = (saltus_flow_info){0};
     t->effort = (saltus_effort){.period = saltus_system_period(t->system)};
     t->proof.disturbed = false;
-    t->proof.proven = 0;
+    t->proof.proven = false;
     saltus_settling_reset(&t->proof.settling, t->system, o->flow.rtol);
     if (!saltus_system_forced(t->system))
         saltus_visits_reset(&t->proof.visits, t->system);
@@ -226,9 +225,9 @@ static saltus_next act_on(saltus_sweep_trajectory *t, saltus_judgement judgement
         return begin_lap(t);
     }
     saltus_sweep_trajectory_settle(t, judgement.verdict, 0);
-    if (!adaptive && t->proof.proven == 0)
+    if (!adaptive && !t->proof.proven)
         return end_place(t);
-    t->proof.proven = 0;
+    t->proof.proven = false;
     return begin_recording(t);
 }
 
@@ -314,7 +313,7 @@ static saltus_next proving(saltus_sweep_trajectory *t, const saltus_flow_info *d
     if (pending && left > (disturbed ? 0 : proving_periods - reaching_periods))
         return SALTUS_NEXT_GO_ON;
     t->stage = SALTUS_STAGE_TRANSIENT;
-    t->proof.proven = judgement.verdict == SALTUS_PERIODIC ? judgement.periods : 0;
+    t->proof.proven = judgement.verdict == SALTUS_PERIODIC;
     if (judgement.verdict == SALTUS_FAILED || (pending && disturbed && !saltus_sweep_trajectory_go_back(t))) {
         saltus_sweep_trajectory_fail(t);
         return SALTUS_NEXT_DONE;

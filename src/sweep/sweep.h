@@ -130,7 +130,7 @@ typedef struct saltus_proof {
     bool disturbed;         /* it has been disturbed, to prove stability, ... */
     double *undisturbed;    /* ... from this state ... */
     long long disturbed_at; /* ... at this cycle */
-    int proven;             /* the period of the orbit that was proven before the recording; 0: none */
+    bool proven;            /* an orbit was proven stable before the recording */
     double *rejected;       /* a point of an unstable orbit that Newton's method found, ... */
     int rejected_period;    /* ... of this period; 0: none */
     long long rejected_at;  /* ... and the cycle when the trajectory passed it */
