@@ -154,8 +154,11 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
     }
     if (status == SALTUS_OK)
         status = complete_batches(e, message);
-    if (status == SALTUS_OK)
-        saltus_ensemble_record(e, saltus_ensemble_largest(e), l->history, &l->history_count);
+    if (status == SALTUS_OK) {
+        const saltus_estimate now = saltus_ensemble_largest(e);
+        l->precise = is_precise(e, &now, least);
+        saltus_ensemble_record(e, now, l->history, &l->history_count);
+    }
     l->interrupted = stopped && !l->precise;
     return status;
 }
