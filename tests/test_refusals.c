@@ -150,7 +150,7 @@ static void sentences_name_what_is_wrong(void **state) {
         {"plot sweep.h5 two.h5 --view speed -o never.png", 2, "plot: --view and --over are of one sweep"},
         {"plot two.h5 two.h5 -o never.png", 2, "two.h5: is given twice"},
         {"paper --size wide -o never", 2, "--size wide: must be column, two-columns, W or WxH "},
-        {"paper --size 10 -o paper", 2, "--size 10: a figure of 10 x 0 mm: "},
+        {"paper --size 10 -o never", 2, "--size 10: a figure of 10 x 0 mm: "},
         {"spectrum pipe --of q1,q2,q3", 2, "--of q3: only 2 can be given"},
         {"spectrum pipe --of velocity,velocity", 2, "--of velocity: is given twice"},
         {"sweep pipe --over omega=1:2:3:lin -o never.h5", 2,

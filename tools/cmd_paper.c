@@ -180,6 +180,9 @@ static int run(const cli_request *request) {
         return cli_refuse(CLI_BAD_INPUT, "-o -: paper makes many files; name a folder for them");
     if (!cli_choose(request, "--format", formats, &chosen))
         return CLI_BAD_INPUT;
+    saltus_message message = {.text = ""};
+    if (saltus_figure_check("figure.png", &request->look, &message) != SALTUS_OK)
+        return cli_refuse(CLI_BAD_INPUT, "--size %s: %s", cli_text(request, "--size"), message.text);
     /* What cannot be written is told before anything is computed. */
     if (ranks_here() == 0)
         code = make_folder(folder) ? go_through(request, folder, true) : CLI_BAD_INPUT;
