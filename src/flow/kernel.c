@@ -19,7 +19,8 @@
 typedef struct frame {
     unsigned terms;
     int packs;      /* per row */
-    int block;      /* packs worked on side by side */
+    int block;      /* packs worked on side by side, ... */
+    int rest;       /* ... and at a row's end; they count as constants if its length is one */
     int columns;    /* tangent vectors */
     int directions; /* the last of the columns: parameter columns */
     int dof, extra, forcing;
@@ -320,6 +321,7 @@ KERNEL_INLINE frame make_frame(const saltus_work *w, unsigned terms, int packs, 
     frame f = {.terms = terms,
                .packs = packs,
                .block = block,
+               .rest = rest_of(packs, block),
                .columns = columns,
                .directions = directions,
                .dof = SALTUS_WIDE ? packs : w->dof,

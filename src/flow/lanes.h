@@ -21,10 +21,21 @@
 #include "base/simd.h"
 #include "system/system.h"
 
+/* As few blocks as possible, of nearly equal size, and what is left behind them. If the count is not known
+ * when compiling, blocks are as large as can be, and the rest is done one by one. */
+KERNEL_INLINE int block_of(int count, int most) {
+    const int blocks = (count + most - 1) / most;
+    return __builtin_constant_p(count) && blocks ? (count + blocks - 1) / blocks : most;
+}
+
+KERNEL_INLINE int rest_of(int count, int block) {
+    return __builtin_constant_p(count % block) && count % block ? count % block : 1;
+}
+
 #if SALTUS_WIDE
 
 #define LANES SALTUS_PACK
-enum { ROW_PACKS_MAX = SALTUS_MODES_MAX, ORDERS_PER_PACK = 1, ORDERS_AT_ONCE = 2, COUPLED_ROWS = 4 };
+enum { ROW_PACKS_MAX = SALTUS_MODES_MAX, ORDERS_PER_PACK = 1, ORDERS_AT_ONCE = 2, COUPLED_ROWS = 5 };
 typedef saltus_pack lane_t;
 typedef saltus_pack_word lane_word;
 KERNEL_INLINE lane_word lane_bits(lane_t a) {
@@ -60,11 +71,12 @@ KERNEL_INLINE saltus_pack lane_alternate(lane_t even, lane_t odd, int order) {
 KERNEL_INLINE int row_packs(int n) {
     return n;
 }
+/* Column by column, rows of one parity only. */
 KERNEL_INLINE size_t coupling_size(int n) {
-    return (size_t)n * (size_t)n;
+    return (size_t)n * (size_t)((n + 1) / 2);
 }
 KERNEL_INLINE size_t coupling_place(int n, int i, int j) {
-    return (size_t)i * (size_t)n + (size_t)j;
+    return (size_t)(j * ((n + 1) / 2) + i / 2);
 }
 KERNEL_INLINE lane_t row_element(const saltus_pack *row, int i) {
     return row[i];
@@ -110,13 +122,16 @@ KERNEL_INLINE void row_couple_part(saltus_pack *out, saltus_pack *out2, const do
         if (out2)
             sum2[r] = out2[i + 2 * r];
     }
-    for (int j = 1 - i % 2; j < n; j += 2)
+#pragma GCC unroll 8
+    for (int j = 1 - i % 2; j < n; j += 2) {
+        const double *column = coupling + coupling_place(n, i, j);
         for (int r = 0; r < rows; r++) {
-            const saltus_pack number = saltus_pack_splat(coupling[(i + 2 * r) * n + j]);
+            const saltus_pack number = saltus_pack_splat(column[r]);
             sum[r] = saltus_pack_fma(number, in[j], sum[r]);
             if (out2)
                 sum2[r] = saltus_pack_fma(number, in2[j], sum2[r]);
         }
+    }
     for (int r = 0; r < rows; r++) {
         out[i + 2 * r] = sum[r];
         if (out2)
@@ -124,17 +139,22 @@ KERNEL_INLINE void row_couple_part(saltus_pack *out, saltus_pack *out2, const do
     }
 }
 
-/* The coupling is plain, row-major. */
+KERNEL_INLINE void row_couple_parity(saltus_pack *out, saltus_pack *out2, const double *coupling,
+                                     const saltus_pack *in, const saltus_pack *in2, int n, const int parity) {
+    const int count = (n + 1 - parity) / 2, block = block_of(count, COUPLED_ROWS),
+              rest = rest_of(count, block);
+    int i = parity;
+    for (; i + 2 * (block - 1) < n; i += 2 * block)
+        row_couple_part(out, out2, coupling, in, in2, n, i, block);
+    for (; i < n; i += 2 * rest)
+        row_couple_part(out, out2, coupling, in, in2, n, i, rest);
+}
+
 KERNEL_INLINE void row_couple_two(saltus_pack *out, saltus_pack *out2, const double *coupling,
                                   const saltus_pack *in, const saltus_pack *in2, int n, int packs) {
     (void)packs;
-    for (int parity = 0; parity < 2; parity++) {
-        int i = parity;
-        for (; n > SALTUS_PACK_MAX && i + 2 * (COUPLED_ROWS - 1) < n; i += 2 * COUPLED_ROWS)
-            row_couple_part(out, out2, coupling, in, in2, n, i, COUPLED_ROWS);
-        for (; i < n; i += 2)
-            row_couple_part(out, out2, coupling, in, in2, n, i, 1);
-    }
+    row_couple_parity(out, out2, coupling, in, in2, n, 0);
+    row_couple_parity(out, out2, coupling, in, in2, n, 1);
 }
 
 KERNEL_INLINE lane_t lane_total(saltus_pack a) {
@@ -276,10 +296,7 @@ KERNEL_INLINE lane_t lane_smaller(lane_t a, lane_t b) {
  * registers. */
 enum { ROW_BLOCK_MAX = SALTUS_PACK_REGISTERS >= 32 ? 5 : 2 };
 KERNEL_INLINE int row_block(int packs) {
-    return packs <= ROW_BLOCK_MAX                ? packs
-           : packs % 3 == 0 && ROW_BLOCK_MAX > 3 ? 3
-           : ROW_BLOCK_MAX > 4                   ? 4
-                                                 : 2;
+    return block_of(packs, ROW_BLOCK_MAX);
 }
 
 /* Run a statement for all packs of a row, a block at a time: packs first .. first + count - 1. The count is a
@@ -291,8 +308,8 @@ KERNEL_INLINE int row_block(int packs) {
             const int count = (f).block;                                                                     \
             statement;                                                                                       \
         }                                                                                                    \
-        for (; first < (f).packs; first++) {                                                                 \
-            const int count = 1;                                                                             \
+        for (; first < (f).packs; first += (f).rest) {                                                       \
+            const int count = (f).rest;                                                                      \
             statement;                                                                                       \
         }                                                                                                    \
     } while (0)
