@@ -423,10 +423,11 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
 }
 
 /* Whether another branch crosses at an orbit with a multiplier 1: then the equations with both parameters
- * have not the full rank either, as the left null vector is across what the parameters do. */
+ * have not the full rank either, as the left null vector is across what the parameters do, up to rounding:
+ * after a long run of impacts, most of that vector lies in their times, which parameters hardly move. */
 static saltus_status is_branch_point(const saltus_extended *x, const saltus_solution *s, bool without,
                                      bool *branches, saltus_message *message) {
-    const double across = 1e-4;
+    const double across = 1e-8;
     saltus_sequence sequence = without ? saltus_corner_without(x, s) : s->sequence;
     saltus_shooting *shooting;
     double value, *a = NULL;
@@ -447,7 +448,7 @@ static saltus_status is_branch_point(const saltus_extended *x, const saltus_solu
             double along = 0, size = 0;
             for (int i = 0; i < c; i++) {
                 along += left[i] * e->jacobian[i * m + k];
-                size = hypot(size, e->jacobian[i * m + k]);
+                size += fabs(left[i] * e->jacobian[i * m + k]);
             }
             *branches = *branches && fabs(along) <= across * size;
         }
@@ -473,8 +474,9 @@ saltus_status saltus_corner_tell(const saltus_extended *x, const saltus_locus_te
     bool branches = false;
     *kind = corner->kind;
     if (corner->breach && worst && (worst->kind == SALTUS_BREACH_HOLD || worst->kind == SALTUS_BREACH_FORCE))
-        *kind = x->kind == SALTUS_POINT_GR && saltus_corner_ends_chatter(s, worst) ? SALTUS_POINT_CH_GR
-                                                                                   : SALTUS_POINT_EP;
+        *kind = !saltus_corner_ends_chatter(s, worst) ? SALTUS_POINT_ST
+                : x->kind == SALTUS_POINT_GR          ? SALTUS_POINT_CH_GR
+                                                      : SALTUS_POINT_CH;
     if (x->kind == SALTUS_POINT_GR && *kind == SALTUS_POINT_GR_LP)
         status = is_branch_point(x, s, corner->without, &branches, message);
     if (branches)

@@ -52,8 +52,9 @@ bool saltus_corner_hides(const saltus_locus_test *a, const saltus_locus_test *b)
  * than the signs of all functions account for: some zeros are missed. */
 bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b, int count);
 /* What the corner is that has been located at an orbit: where a multiplier is 1 on a curve of grazing, a fold
- * (GR-LP) or a branch point (GR-BP); where a contact that chatter led to shrinks to nothing, CH-GR; where
- * another contact begins or ends EP. Otherwise it is corner->kind. Errors: SALTUS_NO_MEMORY. */
+ * (GR-LP) or a branch point (GR-BP); where a contact that chatter led to shrinks to nothing, CH-GR, on other
+ * curves CH; where another contact begins or ends, ST. Otherwise it is corner->kind. Errors:
+ * SALTUS_NO_MEMORY. */
 saltus_status saltus_corner_tell(const saltus_extended *extended, const saltus_locus_test *corner,
                                  const saltus_solution *orbit, saltus_point_kind *kind,
                                  saltus_message *message);

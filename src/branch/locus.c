@@ -19,6 +19,8 @@
 static const double slowest = 0.1;
 /* The shortest step. */
 static const double stride_min = 1e-5;
+static const char ceases_to_complete[] =
+    "chatter ceases to complete: the contact after it shrinks to nothing";
 static const char is_back[] = "the curve is closed: it has come back";
 
 /* The parameters' part of a vector of unknowns. */
@@ -441,7 +443,9 @@ static saltus_status switch_to(saltus_locus *l, saltus_locus_start *start, saltu
 
 /* Why a curve ends at a point of codimension two; second row: where its orbits join shorter ones. */
 static const char *const corner_reasons[2][SALTUS_POINT_KINDS] = {
-    {[SALTUS_POINT_GR_LP] = "a fold meets grazing",
+    {[SALTUS_POINT_CH] = ceases_to_complete,
+     [SALTUS_POINT_ST] = "a contact begins, ends or splits",
+     [SALTUS_POINT_GR_LP] = "a fold meets grazing",
      [SALTUS_POINT_GR_PD] = "a flip meets grazing",
      [SALTUS_POINT_GR_NS] = "a Neimark-Sacker point meets grazing",
      [SALTUS_POINT_GR_GR] = "two impacts graze",
@@ -491,8 +495,6 @@ static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, doub
     if (status != SALTUS_OK)
         return status;
     const saltus_point_kind kind = corner.kind;
-    if (kind == SALTUS_POINT_EP)
-        return give(l, &l->trial, kind, ahead, "a contact begins, ends or splits", message);
     if (l->x.kind == SALTUS_POINT_NS && corner.ends && !corner.breach) {
         saltus_locus_sharpen(&l->x, &l->here, kind == SALTUS_POINT_R2 ? M_PI : 0, &l->trial, &l->next);
         /* There the curve of tori turns back: theta goes on beyond 0 or pi and gives the same orbits
@@ -533,32 +535,25 @@ static saltus_status give_join(saltus_locus *l, saltus_point_kind kind, saltus_m
 
 static const char *why_it_ends(const saltus_solution *at) {
     return saltus_locus_ceases_to_complete(at)
-               ? "chatter ceases to complete: the contact after it shrinks to nothing"
+               ? ceases_to_complete
                : "the curve ends: its orbit changes its events or the curve has a corner";
 }
 
 /* End the curve, which does not go on, at `here` or at the special point just ahead. */
 static saltus_status give_end(saltus_locus *l, saltus_message *message) {
-    bool contact, fades = false, moved = false;
+    bool ends, moved = false;
     saltus_point_kind kind = SALTUS_POINT_REGULAR;
-    saltus_status status = saltus_locus_end_contact(&l->x, &l->here, &l->trial, &contact, message);
-    if (status == SALTUS_OK && !contact)
+    saltus_status status = saltus_locus_end_contact(&l->x, &l->here, &l->trial, &ends, message);
+    if (status == SALTUS_OK && !ends)
         status = saltus_locus_join(&l->x, &l->here, &l->trial, &kind, message);
-    if (status == SALTUS_OK && !contact && !kind)
-        status = saltus_locus_fade(&l->x, &l->here, &l->trial, &fades, message);
+    if (status == SALTUS_OK && !ends && !kind)
+        status = saltus_locus_fade(&l->x, &l->here, &l->trial, &ends, message);
     if (status != SALTUS_OK)
         return status;
     if (kind)
         return give_join(l, kind, message);
-    if (fades)
-        return give_corner(l, l->here.corners[0], l->trial.at.ahead, &moved, message);
-    if (!contact)
-        return give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit), message);
-    const double ahead = l->trial.at.ahead;
-    kind = SALTUS_POINT_CH_GR;
-    status = give(l, &l->trial, kind, ahead, NULL, message);
-    return status == SALTUS_OK ? give(l, &l->trial, SALTUS_POINT_EP, ahead, corner_reasons[0][kind], message)
-                               : status;
+    return ends ? give_corner(l, l->here.corners[0], l->trial.at.ahead, &moved, message)
+                : give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit), message);
 }
 
 /* If the step from `here` passes a place where the orbits become those of half the period, or comes so near

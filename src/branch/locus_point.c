@@ -262,10 +262,26 @@ static bool is_prescribed(const saltus_sequence *s) {
     return !driven;
 }
 
+/* Whether another impact has no speed either just where the one that is followed grazes: impacts without
+ * effect, all at one touch of an orbit that has fewer. */
+static bool has_collapsed(const saltus_extended *x, const saltus_solution *s) {
+    const double still = 1e-8, near = 1e-5;
+    const saltus_mark *own = &s->sequence.mark[x->mark];
+    for (int k = 0; k < s->breach_count && x->kind == SALTUS_POINT_GR; k++) {
+        const saltus_breach *other = &s->breaches[k];
+        if (other->kind == SALTUS_BREACH_SPEED && other->mark != x->mark && other->face == own->face &&
+            fabs(other->value) < still && fabs(other->time - own->time) < near)
+            return true;
+    }
+    return false;
+}
+
 bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *here, const saltus_locus_point *p) {
     const double apart = 1e-6, nothing = 1e-9;
     const saltus_solution *s = &p->orbit;
     if (x->kind == SALTUS_POINT_BP && !(fabs(p->at.u[s->at.unknowns]) < 1e-8))
+        return false;
+    if (has_collapsed(x, s))
         return false;
     const double breach = saltus_corner_breach(x, s);
     if (breach > nothing)
@@ -335,27 +351,37 @@ void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, do
 saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_point *here,
                                        saltus_locus_point *at, bool *found, saltus_message *message) {
     enum { halvings = 40 };
-    const double reach = 1e-3, nothing = 1e-4, sharp = 1e-11;
-    double low = 0, high = reach, usual = x->equations.tolerance;
+    const double reach = 1e-3, nothing = 1e-4, sharp = 1e-11, usual = x->equations.tolerance;
     saltus_locus_test contact = {.kind = SALTUS_POINT_GR_GR, .breach = true};
-    saltus_status status = SALTUS_OK;
-    *found = false;
+    saltus_curve_point last = {.unknowns = 0};
+    double place = 0, step = reach;
+    saltus_status status = saltus_curve_copy(&here->at, &last) ? SALTUS_OK : SALTUS_NO_MEMORY;
     /* A residual speed at grazing moves the place by as much. */
     x->equations.tolerance = fmin(usual, sharp);
-    for (int k = 0; k <= halvings && status != SALTUS_NO_MEMORY; k++) {
-        double middle = k < halvings ? 0.5 * (low + high) : low;
-        status = saltus_curve_visit(&x->equations, &here->at, middle, &at->at, NULL);
+    for (int k = 0; k < halvings && status != SALTUS_NO_MEMORY;) {
+        status = saltus_curve_visit(&x->equations, &last, step, &at->at, NULL);
         if (status == SALTUS_OK)
             status = saltus_locus_see_orbit(x, at, NULL);
-        *found = status == SALTUS_OK && saltus_corner_breach(x, &at->orbit) <= 0;
-        *(*found ? &low : &high) = middle;
+        const bool sound = status == SALTUS_OK && saltus_corner_breach(x, &at->orbit) <= 0;
+        if (sound && !saltus_curve_copy(&at->at, &last))
+            status = SALTUS_NO_MEMORY;
+        place += sound ? step : 0;
+        /* Predicted from afar, an orbit that exists may not be found. */
+        if (!sound || place + step > reach) {
+            step *= 0.5;
+            k++;
+        }
     }
+    if (status != SALTUS_NO_MEMORY)
+        status = saltus_curve_copy(&last, &at->at) ? saltus_locus_see_orbit(x, at, NULL) : SALTUS_NO_MEMORY;
     x->equations.tolerance = usual;
+    at->at.ahead = place;
+    saltus_curve_clear(&last);
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
-    if (*found && saltus_corner_breach(x, &at->orbit) > -nothing)
+    if (status == SALTUS_OK && saltus_corner_breach(x, &at->orbit) > -nothing)
         status = saltus_corner_tell(x, &contact, &at->orbit, &contact.kind, message);
-    *found = contact.kind == SALTUS_POINT_CH_GR;
+    *found = contact.kind == SALTUS_POINT_CH_GR || contact.kind == SALTUS_POINT_CH;
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 

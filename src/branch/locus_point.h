@@ -96,7 +96,7 @@ bool saltus_locus_has_pair(saltus_extended *extended, double theta);
 void saltus_locus_sharpen(saltus_extended *extended, const saltus_locus_point *here, double theta,
                           saltus_locus_point *at, saltus_locus_point *scratch);
 /* Where a contact that completes chatter shrinks to nothing, the equations and the curve end. Its length goes
- * as a power of the arclength, so the place is bracketed. `at` becomes the last orbit with complete chatter.
+ * as a power of the arclength, so the place is approached. `at` becomes the last orbit with complete chatter.
  * *found: whether the curve ends in this way just ahead of `here`. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_end_contact(saltus_extended *extended, const saltus_locus_point *here,
                                        saltus_locus_point *at, bool *found, saltus_message *message);
