@@ -398,6 +398,53 @@ static void folds_meet_grazing_after_chatter(void **unused) {
     check_networks(networks, 1);
 }
 
+/* In a long run of ever weaker impacts the last ones may all come to lie without speed where one grazes: then
+ * the equations hold all along the curve of an orbit that has fewer, on which the curve would get lost. */
+static void weak_impacts_stay_apart(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"two-mass",
+                                        "d=0.240974 omega=0.521979 r=0.616212",
+                                        SALTUS_POINT_GR,
+                                        {"omega", "d"},
+                                        {0.365385, 0.144584},
+                                        {0.730771, 0.337363},
+                                        0,
+                                        {0.04, 0.02},
+                                        6}};
+    check_networks(networks, 1);
+}
+
+/* After such runs the equations of tori tell little where the pair of multipliers meets; those of the flips
+ * on which it does tell the place. */
+static void tori_end_on_the_curve_of_flips(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const network network = {"two-mass",
+                                    "d=0.240974 omega=0.521979 r=0.616212",
+                                    SALTUS_POINT_GR,
+                                    {"omega", "d"},
+                                    {0.365385, 0.144584},
+                                    {0.730771, 0.337363},
+                                    2,
+                                    {0},
+                                    0};
+    branch_record record = follow(&network, 0.02, 0, NULL);
+    int ends = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        double nearest = INFINITY;
+        if (p->kind != SALTUS_POINT_R2 || p->locus != SALTUS_POINT_NS)
+            continue;
+        for (int j = 0; j < record.count; j++)
+            if (record.point[j].kind == SALTUS_POINT_R2 && record.point[j].locus == SALTUS_POINT_PD)
+                nearest = fmin(nearest, apart(&network, p, &record.point[j]));
+        assert_true(nearest < 1e-9);
+        ends++;
+    }
+    assert_true(ends > 2);
+    branch_forget(&record);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
@@ -415,6 +462,8 @@ int main(void) {
         cmocka_unit_test(last_impacts_are_hardly_felt),
         cmocka_unit_test(grazing_joins_at_flips),
         cmocka_unit_test(folds_meet_grazing_after_chatter),
+        cmocka_unit_test(weak_impacts_stay_apart),
+        cmocka_unit_test(tori_end_on_the_curve_of_flips),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -302,6 +302,17 @@ bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, 
     return found;
 }
 
+bool saltus_halved_double(saltus_extended *x, saltus_point_kind kind, saltus_locus_point *at) {
+    const saltus_sequence whole = at->orbit.sequence;
+    shorter s;
+    bool found =
+        open_shorter(&s, x, at, &whole, kind == SALTUS_POINT_R2 ? SALTUS_POINT_PD : SALTUS_POINT_LP, 0);
+    s.kind = kind;
+    found = found && find_zero(&s) && go_through(x, &s, s.at.u, at);
+    close_shorter(x, &s);
+    return found;
+}
+
 saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_locus_point *at) {
     const double alike = 1e-7;
     saltus_sequence half = at->orbit.sequence;

@@ -27,5 +27,9 @@ saltus_point_kind saltus_halved_tell(saltus_extended *extended, bool mirrored, s
  */
 bool saltus_halved_touch(saltus_extended *extended, saltus_point_kind kind, int parts,
                          saltus_locus_point *at);
+/* The orbit `at`, known to some digits, at which the pair of a curve of tori meets, R1 or R2, becomes the
+ * double multiplier on the curve of folds or flips of the same orbits, which is regular there. False if it
+ * cannot be found so. */
+bool saltus_halved_double(saltus_extended *extended, saltus_point_kind kind, saltus_locus_point *at);
 
 #endif

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus.h"
 
+#include "branch/halved.h"
 #include "branch/hopf.h"
 #include "branch/join.h"
 #include "branch/locus_corners.h"
@@ -497,6 +498,7 @@ static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, doub
     const saltus_point_kind kind = corner.kind;
     if (l->x.kind == SALTUS_POINT_NS && corner.ends && !corner.breach) {
         saltus_locus_sharpen(&l->x, &l->here, kind == SALTUS_POINT_R2 ? M_PI : 0, &l->trial, &l->next);
+        saltus_halved_double(&l->x, kind, &l->trial);
         /* There the curve of tori turns back: theta goes on beyond 0 or pi and gives the same orbits
          * again. */
         memset(plane_of(l, l->trial.at.tangent), 0, 2 * sizeof(double));
