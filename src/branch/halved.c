@@ -17,8 +17,8 @@ typedef struct shorter {
     saltus_point_kind kind; /* the kind of point that is sought */
     double apart;           /* width of the differences for it */
     double exponent;        /* of the determinant for it */
-    int parts;              /* R4: after how many of these orbits a free vibration comes back */
-    bool without;           /* GR-PD: it is the orbit without the grazing impact that flips */
+    int parts;    /* R4: after how many of these orbits a free vibration comes back or turns round */
+    bool without; /* GR-PD: it is the orbit without the grazing impact that flips */
 } shorter;
 
 /* Evaluate the orbit at s->at without its grazing impact by a separate shooting, which the caller frees. */
@@ -54,8 +54,9 @@ static saltus_status see_breach(shorter *s, double *breach) {
 
 /* The function that is zero at the point sought, on the curve `ahead` of s->on. From multipliers: the one
  * closest to 1, minus 1; the squared modulus, minus 1, of the pair closest to the unit circle; or, without
- * the grazing impact, how far in angle a pair on the circle is from coming back to 1 after some orbits. */
-static bool test_at(shorter *s, double ahead, double *value) {
+ * the grazing impact, how far in angle a pair on the circle is from coming to 1 or -1 after some orbits. */
+static bool test_at(void *context, double ahead, double *value) {
+    shorter *s = context;
     const double on = 1e-6;
     const bool flips = s->kind == SALTUS_POINT_GR_PD, grazes = s->kind == SALTUS_POINT_GR_LP || flips;
     const bool pair = s->kind == SALTUS_POINT_PD_NS, touches = s->kind == SALTUS_POINT_GR_GR,
@@ -94,7 +95,7 @@ static bool test_at(shorter *s, double ahead, double *value) {
     for (int k = 0; k < count; k++) {
         const double square = re[k] * re[k] + im[k] * im[k];
         const bool fits = comes_back ? im[k] > 0 && fabs(square - 1) < on : (im[k] != 0) == pair;
-        const double own = comes_back ? remainder(s->parts * atan2(im[k], re[k]), 2 * M_PI)
+        const double own = comes_back ? remainder(s->parts * atan2(im[k], re[k]), M_PI)
                            : pair     ? square - 1
                                       : re[k] - 1;
         if (fits && fabs(own) < fabs(*value))
@@ -104,10 +105,12 @@ static bool test_at(shorter *s, double ahead, double *value) {
     return saltus_orbits_noted(o, count < 0 ? SALTUS_NO_MEMORY : status) == SALTUS_OK && isfinite(*value);
 }
 
-/* s->at becomes the zero of the test near s->on, where the test is almost linear. False if there is none. */
-static bool find_zero(shorter *s) {
-    enum { rounds = 4 };
-    const double first = 1e-5, farthest = 1e-3, still = 1e-9;
+/* s->at becomes the zero of the test near s->on, where the test is almost linear; *doubt as for
+ * saltus_locus_doubt, or NULL. False if there is none. */
+static bool find_zero(shorter *s, double *doubt) {
+    const bool turns = s->kind == SALTUS_POINT_R4; /* as the period changes: evenly */
+    const int rounds = turns ? 8 : 4;
+    const double first = 1e-5, farthest = turns ? 2e-2 : 1e-3, still = 1e-9;
     double place = 0, begin = NAN, value = NAN;
     bool found = test_at(s, first, &value) && test_at(s, place, &begin);
     const double slope = (value - begin) / first;
@@ -116,18 +119,23 @@ static bool find_zero(shorter *s) {
         place -= value / slope;
         found = fabs(place) < farthest && test_at(s, place, &value);
     }
-    return found && fabs(value) < still * fabs(slope);
+    found = found && fabs(value) < still * fabs(slope);
+    if (found && doubt) {
+        *doubt = saltus_locus_doubt(test_at, s, place, &s->at, s->x.orbits.equations->count);
+        found = test_at(s, place, &value);
+    }
+    return found;
 }
 
 /* The same for GPD and CP, whose test is made of differences: their width is the one at which the place
  * changes least from the width before. */
-static bool find_change(shorter *s) {
+static bool find_change(shorter *s, double *doubt) {
     enum { widths = 6 };
     double place[widths], least = INFINITY;
     int best = 0;
     for (int k = 0; k < widths; k++) {
         s->apart = k == 0 ? 0.032 : 0.5 * s->apart;
-        place[k] = find_zero(s) ? s->at.ahead : NAN;
+        place[k] = find_zero(s, NULL) ? s->at.ahead : NAN;
         const double change = k > 0 ? fabs(place[k] - place[k - 1]) : NAN;
         if (change < least) {
             least = change;
@@ -135,7 +143,9 @@ static bool find_change(shorter *s) {
         }
     }
     s->apart = ldexp(0.032, -best);
-    return best > 0 && find_zero(s);
+    const bool found = best > 0 && find_zero(s, doubt);
+    *doubt += least;
+    return found;
 }
 
 /* s->on becomes a point of a curve of the shorter orbits, or of the symmetric ones, near the orbit of `at`:
@@ -297,7 +307,10 @@ bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, 
     s.kind = parts > 2 ? SALTUS_POINT_R4 : kind;
     s.parts = parts;
     s.without = s.kind == SALTUS_POINT_GR_PD && whole->count < parts * once.count;
-    found = found && find_zero(&s) && go_through(x, &s, s.at.u, at);
+    double doubt = NAN;
+    found = found && find_zero(&s, &doubt) && go_through(x, &s, s.at.u, at);
+    if (found)
+        at->doubt = doubt;
     close_shorter(x, &s);
     return found;
 }
@@ -308,9 +321,33 @@ bool saltus_halved_double(saltus_extended *x, saltus_point_kind kind, saltus_loc
     bool found =
         open_shorter(&s, x, at, &whole, kind == SALTUS_POINT_R2 ? SALTUS_POINT_PD : SALTUS_POINT_LP, 0);
     s.kind = kind;
-    found = found && find_zero(&s) && go_through(x, &s, s.at.u, at);
+    double doubt = NAN;
+    found = found && find_zero(&s, &doubt) && go_through(x, &s, s.at.u, at);
+    if (found)
+        at->doubt = doubt;
     close_shorter(x, &s);
     return found;
+}
+
+bool saltus_halved_resonates(saltus_extended *x, const saltus_locus_point *here, saltus_locus_point *at) {
+    const double alike = 1e-4, near = 1e-2, straight = 0.9;
+    const int c = x->orbits.equations->count;
+    int parts = x->kind == SALTUS_POINT_GR ? here->orbit.sequence.periods : 0;
+    while (parts > 2 && !(saltus_locus_distance(x, &here->orbit, parts) < alike))
+        parts--;
+    if (parts <= 2)
+        return false;
+    saltus_status status = saltus_curve_copy(&here->at, &at->at) ? SALTUS_OK : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK)
+        status = saltus_locus_see_orbit(x, at, NULL);
+    if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK ||
+        !saltus_halved_touch(x, SALTUS_POINT_GR_GR, parts, at))
+        return false;
+    const double *way = here->at.tangent + c,
+                 left[] = {at->at.u[c] - here->at.u[c], at->at.u[c + 1] - here->at.u[c + 1]};
+    const double length = hypot(left[0], left[1]), along = left[0] * way[0] + left[1] * way[1];
+    at->at.ahead = length;
+    return length < near && along > straight * length * hypot(way[0], way[1]);
 }
 
 saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_locus_point *at) {
@@ -333,15 +370,18 @@ saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_l
         locus = SALTUS_POINT_NS;
     }
     const bool turns = locus == SALTUS_POINT_NS;
+    double doubt = NAN;
     shorter s;
     if (open_shorter(&s, x, at, &half, locus, 0)) {
         kind = s.kind = turns ? SALTUS_POINT_R4 : mirrored ? SALTUS_POINT_CP : name_flip(&s, x->kind);
         const bool by_change = kind == SALTUS_POINT_GPD || kind == SALTUS_POINT_CP;
-        const bool found = kind && !turns && (by_change ? find_change(&s) : find_zero(&s));
-        if (found || turns)
+        const bool found = kind && !turns && (by_change ? find_change : find_zero)(&s, &doubt);
+        if (found || turns) {
             go_through(x, &s, found ? s.at.u : s.on.at.u, at);
-        else if (!by_change)
+            at->doubt = doubt;
+        } else if (!by_change) {
             kind = SALTUS_POINT_REGULAR;
+        }
     }
     close_shorter(x, &s);
     return kind;

@@ -22,14 +22,19 @@ saltus_point_kind saltus_halved_tell(saltus_extended *extended, bool mirrored, s
  * whose grazing a curve of special orbits ends as impacts have lost their speed, or one of grazing joins that
  * of the shorter orbits. If so `at` becomes the zero of a function along their curve of grazing. Of `kind`
  * GR-LP it is their determinant, where the impact's infinite multiplier is not felt; of GR-PD that for a
- * flip; of GR-GR another impact's breach. For three parts or more a free vibration comes back there.
- * Otherwise false.
- */
+ * flip; of GR-GR another impact's breach. For three parts or more a free vibration comes back there,
+ * or turns round. at->doubt as for saltus_locus_doubt. Otherwise false. */
 bool saltus_halved_touch(saltus_extended *extended, saltus_point_kind kind, int parts,
                          saltus_locus_point *at);
 /* The orbit `at`, known to some digits, at which the pair of a curve of tori meets, R1 or R2, becomes the
  * double multiplier on the curve of folds or flips of the same orbits, which is regular there. False if it
  * cannot be found so. */
 bool saltus_halved_double(saltus_extended *extended, saltus_point_kind kind, saltus_locus_point *at);
+/* Whether a curve of grazing, at orbits `here` that are almost those of a third of their period or less,
+ * leads to the place where a free vibration about these comes back after the period, or turns round; `at`
+ * becomes that. What is unlike in the parts falls off with a power of the distance, and is rounding before
+ * the place is reached. Lack of memory is noted in the orbits. */
+bool saltus_halved_resonates(saltus_extended *extended, const saltus_locus_point *here,
+                             saltus_locus_point *at);
 
 #endif

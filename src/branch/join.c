@@ -93,33 +93,45 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
 void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {
     static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4};
     enum { spacings = sizeof apart / sizeof apart[0] };
-    const double far = 1e-4, clear = 1e-9, trusted = 1e-9;
+    const double far = 1e-4, trusted = 1e-9;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
     const double place = at->at.ahead;
-    if (saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, at))
+    if (saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, at) || at->doubt <= trusted)
         return;
-    double spread, least = clear, ahead = place, *u = calloc(2 * (size_t)m, sizeof *u);
+    double spread, least = INFINITY, second = INFINITY, ahead = place, doubt = INFINITY,
+                   *u = calloc(3 * (size_t)m, sizeof *u);
     saltus_orbits_noted(&x->orbits, u ? SALTUS_OK : SALTUS_NO_MEMORY);
     if (!u)
         return;
-    double *located = u + m;
+    double *located = u + m, *other = u + 2 * m;
+    const size_t size = (size_t)m * sizeof *u;
     const bool bent = here->at.bent;
-    memcpy(located, at->at.u, (size_t)m * sizeof *u);
-    memcpy(u, located, (size_t)m * sizeof *u);
+    memcpy(located, at->at.u, size);
     for (int k = 0; k < 2 * spacings; k++) {
         const saltus_status status = extrapolate(x, here, place, apart[k / 2], samples_most,
                                                  k % 2 ? BY_ROOT : BY_BREACH, 0, at, &spread, NULL);
         const double moved = hypot(at->at.u[c] - located[c], at->at.u[c + 1] - located[c + 1]);
-        if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK || !(spread < least) || !(moved < far) ||
-            moved < fmax(trusted, 10 * spread))
+        if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK || !(spread < second) || !(moved < far))
             continue;
-        least = spread;
-        ahead = at->at.ahead;
-        memcpy(u, at->at.u, (size_t)m * sizeof *u);
+        if (spread < least) {
+            memcpy(other, u, size);
+            second = least;
+            memcpy(u, at->at.u, size);
+            least = spread;
+            ahead = at->at.ahead;
+        } else {
+            memcpy(other, at->at.u, size);
+            second = spread;
+        }
+        /* How far the two best are apart says more than their own spread. */
+        if (isfinite(second))
+            doubt = least + hypot(u[c] - other[c], u[c + 1] - other[c + 1]);
     }
     here->at.bent = bent;
-    memcpy(at->at.u, u, (size_t)m * sizeof *u);
-    at->at.ahead = ahead;
+    const bool sharper = isfinite(doubt) && !(at->doubt <= doubt);
+    memcpy(at->at.u, sharper ? u : located, size);
+    at->at.ahead = sharper ? ahead : place;
+    at->doubt = sharper ? doubt : at->doubt;
     saltus_orbits_noted(&x->orbits, saltus_locus_see_orbit(x, at, NULL));
     free(u);
 }
@@ -192,6 +204,7 @@ static void sharpen_join(saltus_extended *x, const saltus_locus_point *here, int
             memcpy(best, work, size);
         }
     x->equations.tolerance = usual;
+    at->doubt = least;
     memcpy(at->at.u, best, size);
     saltus_orbits_noted(&x->orbits, status);
     free(work);
@@ -289,6 +302,7 @@ static saltus_status seek_end(saltus_extended *x, saltus_locus_point *here, meas
         }
     }
     *found = status != SALTUS_NO_MEMORY && ahead > 0;
+    at->doubt = best;
     if (*found) {
         memcpy(at->at.u, u, (size_t)m * sizeof *u);
         at->at.ahead = ahead;

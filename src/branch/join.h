@@ -18,7 +18,7 @@ saltus_status saltus_locus_join(saltus_extended *extended, saltus_locus_point *h
                                 saltus_point_kind *kind, saltus_message *message);
 /* Where a curve of special orbits ends as an impact has lost its speed, at `at`, located ahead of `here`,
  * several may have, and the equations be singular: then `at` becomes the place that the curve before it leads
- * to, where that is told sharper. */
+ * to, where that is told sharper. All places found here get their doubt. */
 void saltus_locus_sharpen_end(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at);
 /* Where several impacts lose their speed at once, the equations of other curves become singular and lead
  * nowhere; but these curves depend smoothly on the root of that speed. *fades: whether the curve of `here`

@@ -238,7 +238,11 @@ static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_p
     const saltus_solution *s = &p->orbit;
     const saltus_family *family = &l->x.orbits.family;
     const saltus_branch_options *options = l->trail->options;
-    const saltus_notice what = {.kind = kind, .ahead = ahead, .accuracy = NAN, .reason = reason};
+    const bool located = kind != l->x.kind && kind != SALTUS_POINT_EP;
+    const saltus_notice what = {.kind = kind,
+                                .ahead = ahead,
+                                .accuracy = located ? p->doubt * l->x.orbits.family.unit[0] : NAN,
+                                .reason = reason};
     const double breach = saltus_corner_breach(&l->x, s);
     const bool grazes = l->x.kind == SALTUS_POINT_GR, grazing = grazes || fabs(breach) < 1e-8;
     int returns;
@@ -618,6 +622,7 @@ static saltus_status meet_rest(saltus_locus *l, saltus_message *message) {
         memcpy(l->trial.at.u, best, m * sizeof *best);
         status = saltus_locus_see_orbit(&l->x, &l->trial, message);
         l->trial.at.ahead = middle;
+        l->trial.doubt = least;
         if (status == SALTUS_OK)
             status = give_join(l, SALTUS_POINT_GH, message);
     }
@@ -633,6 +638,8 @@ static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros
     const saltus_curve_bound bounds[2] = {{c, l->border[0][0], l->border[0][1]},
                                           {c + 1, l->border[1][0], l->border[1][1]}};
     saltus_message why = {.text = ""};
+    if (saltus_halved_resonates(&l->x, &l->here, &l->trial))
+        return give_join(l, SALTUS_POINT_GR_GR, message);
     for (;;) {
         bool found = false, shorter;
         for (; !found && l->trail->step > stride_min; l->trail->step *= found ? 1 : 0.5) {

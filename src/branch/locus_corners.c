@@ -200,6 +200,8 @@ static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, i
         good = good && fabs(next - ahead) < apart[pass];
         for (int j = 0; j < m && good; j++)
             own[j] = saltus_curve_interpolate(value, u + j * samples, samples);
+        if (good)
+            out->doubt = fabs(next - ahead);
         ahead = good ? next : ahead;
         found = found || good;
     }
@@ -218,6 +220,10 @@ static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, i
 bool saltus_locus_visit_zero(saltus_extended *x, const saltus_locus_point *here,
                              const struct saltus_locus_zero *zero, saltus_locus_point *out) {
     double tolerance = zero->tolerance;
+    search s = {.x = x, .here = here, .out = out, .corner = zero->corner, .clear = INFINITY};
+    s.tolerance = tolerance;
+    if (!zero->crosses)
+        out->doubt = saltus_locus_doubt(corner_at, &s, zero->place, &out->at, x->orbits.equations->count);
     return (zero->crosses && visit_crossing(x, here, zero->corner, zero->place, out)) ||
            visit_sharply(x, here, zero->place, &tolerance, out);
 }

@@ -22,7 +22,7 @@ typedef struct saltus_locus_zeros {
 bool saltus_locus_find_corners(saltus_extended *extended, const saltus_locus_point *here,
                                const saltus_locus_point *next, saltus_locus_point *scratch,
                                saltus_locus_zeros *found);
-/* The point at such a zero, evaluated; false if it cannot be found. */
+/* The point at such a zero, evaluated, with its doubt; false if it cannot be found. */
 bool saltus_locus_visit_zero(saltus_extended *extended, const saltus_locus_point *here,
                              const struct saltus_locus_zero *zero, saltus_locus_point *out);
 

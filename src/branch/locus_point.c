@@ -203,6 +203,29 @@ saltus_status saltus_locus_reframe(saltus_extended *x, saltus_locus_point *here,
     return status;
 }
 
+double saltus_locus_doubt(saltus_curve_function *function, void *context, double place,
+                          const saltus_curve_point *at, int c) {
+    enum { places = 4 };
+    static const double beside[places] = {-2, -1, 1, 2};
+    const double first = 1e-10, farthest = 1e-4, share = 0.25;
+    double doubt = NAN;
+    for (double apart = first; isnan(doubt) && apart < farthest; apart *= 4) {
+        double value[places] = {0}, scatter[2] = {0, 0};
+        bool clear = true;
+        for (int k = 0; k < places && clear; k++) {
+            clear = function(context, place + beside[k] * apart, &value[k]);
+            for (int d = 0; d < 2 && clear; d++)
+                scatter[d] += (beside[k] * beside[k] > 1 ? 1 : -1) * at->u[c + d];
+        }
+        const double slope = 0.25 * (value[places - 1] - value[0]);
+        for (int k = 0; k < places; k++)
+            clear = clear && fabs(value[k] - beside[k] * slope) < share * fabs(slope);
+        if (clear)
+            doubt = apart * hypot(at->tangent[c], at->tangent[c + 1]) + hypot(scatter[0], scatter[1]);
+    }
+    return doubt;
+}
+
 double saltus_locus_distance(saltus_extended *x, const saltus_solution *s, int parts) {
     return saltus_solution_part_distance(&x->orbits, s, parts, NULL);
 }
@@ -343,6 +366,10 @@ void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, do
     }
     for (int j = 0; j < m && found; j++)
         at->at.u[j] = j < m - 1 ? saltus_curve_interpolate(square, u + j * samples, samples) : theta;
+    at->doubt = found ? 0 : NAN;
+    for (int j = m - 3; j < m - 1 && found; j++)
+        at->doubt =
+            hypot(at->doubt, at->at.u[j] - saltus_curve_interpolate(square, u + j * samples, samples - 1));
     free(u);
     if (found)
         saltus_locus_see_orbit(x, at, NULL);
@@ -375,6 +402,7 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
     if (status != SALTUS_NO_MEMORY)
         status = saltus_curve_copy(&last, &at->at) ? saltus_locus_see_orbit(x, at, NULL) : SALTUS_NO_MEMORY;
     x->equations.tolerance = usual;
+    at->doubt = 2 * step;
     at->at.ahead = place;
     saltus_curve_clear(&last);
     if (status == SALTUS_NO_MEMORY)

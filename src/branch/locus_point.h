@@ -10,6 +10,7 @@ typedef struct saltus_locus_point {
     saltus_solution orbit;
     saltus_locus_test corners[SALTUS_CORNERS_MAX];
     int corner_count;
+    double doubt; /* possible error of a located place in the plane, in units of the ranges; NAN: not known */
     /* The functions at the previous point of the curve, and its place relative to this one; 0: none. */
     saltus_scaled before[SALTUS_CORNERS_MAX];
     double before_place;
@@ -70,6 +71,11 @@ saltus_status saltus_locus_reach(saltus_extended *extended, const saltus_curve_p
 /* The point at arclength `ahead` from another, evaluated; false if it cannot be found. */
 bool saltus_locus_visit(saltus_extended *extended, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out);
+/* The possible error, in the plane, of a zero of a function along a curve: as far beside it as values must be
+ * taken to show the slope there, plus the scatter of the points, which the function leaves in `at`, c
+ * unknowns before the parameters. NAN where that is far. */
+double saltus_locus_doubt(saltus_curve_function *function, void *context, double place,
+                          const saltus_curve_point *at, int c);
 /* The scaled distance of an orbit from one that closes after one of `parts` equal parts of the period,
  * INFINITY unless these are whole periods; 1: from being its own mirror image. */
 double saltus_locus_distance(saltus_extended *extended, const saltus_solution *orbit, int parts);
