@@ -26,17 +26,19 @@ static saltus_scene open_scene(const network *n) {
     return scene;
 }
 
-/* The network that begins with an orbit of so many periods through a state; 0: what the scene settles on. */
-static branch_record follow(const network *n, double step_max, int periods, const double *at) {
+/* The run of the network that begins with an orbit of so many periods through a state; 0: what the scene
+ * settles on. */
+static saltus_branch *begin(const network *n, const saltus_scene *scene, double step_max, int periods,
+                            const double *at) {
     saltus_message message = {.text = ""};
-    saltus_scene scene = open_scene(n);
-    saltus_system *system = build(&scene.spec);
+    saltus_branch *branch = NULL;
+    saltus_system *system = build(&scene->spec);
     double state[SALTUS_SCENE_STATE_MAX];
     saltus_classify_options how = saltus_classify_defaults();
     how.transient = 2000;
     how.longest = 12;
     saltus_motion motion;
-    check_ok(saltus_scene_state(&scene, system, state, &message), &message);
+    check_ok(saltus_scene_state(scene, system, state, &message), &message);
     check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
     saltus_branch_options options = branch_along(n->key[0], n->low[0], n->high[0]);
     snprintf(options.key[1], sizeof options.key[1], "%s", n->key[1]);
@@ -47,10 +49,19 @@ static branch_record follow(const network *n, double step_max, int periods, cons
     options.step_max = step_max;
     options.step = step_max / 4;
     options.points = 400;
-    branch_record record =
-        branch_run(&scene.spec, periods ? periods : motion.periods, periods ? at : motion.state, &options);
+    check_ok(saltus_branch_new(&scene->spec, periods ? periods : motion.periods, periods ? at : motion.state,
+                               &options, &branch, &message),
+             &message);
     saltus_motion_clear(&motion);
     saltus_system_free(system);
+    return branch;
+}
+
+static branch_record follow(const network *n, double step_max, int periods, const double *at) {
+    saltus_scene scene = open_scene(n);
+    saltus_branch *branch = begin(n, &scene, step_max, periods, at);
+    branch_record record = branch_collect(branch, branch_points_max);
+    saltus_branch_free(branch);
     saltus_scene_clear(&scene);
     return record;
 }
@@ -491,6 +502,41 @@ static void tori_end_on_the_curve_of_flips(void **unused) {
     branch_forget(&record);
 }
 
+/* Such a curve may be so steep that its last orbit is still far from the shorter ones: the places on it lead
+ * to the flip all the same. */
+static void steep_curves_join_at_flips(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    const double place[] = {4.96549877149627, -0.00080668575940};
+    const network network = {"budd-dux",
+                             "omega=4.53198 r=0.86657 d=0.037894",
+                             SALTUS_POINT_GR,
+                             {"omega", "d"},
+                             {3.17239, -0.262106},
+                             {5.89158, 0.337894},
+                             1,
+                             {0},
+                             -1};
+    saltus_message message = {.text = ""};
+    saltus_scene scene = open_scene(&network);
+    saltus_branch *branch = begin(&network, &scene, 0.04, 0, NULL);
+    const saltus_branch_point *point = NULL;
+    saltus_point_kind before = SALTUS_POINT_REGULAR;
+    for (;;) {
+        check_ok(saltus_branch_step(branch, &point, &message), &message);
+        assert_non_null(point);
+        if (point->branch == 2 && point->kind == SALTUS_POINT_EP)
+            break;
+        before = point->kind;
+    }
+    assert_int_equal(before, SALTUS_POINT_GR_PD);
+    assert_non_null(strstr(point->reason, "half the period"));
+    for (int k = 0; k < 2; k++)
+        check_near(point->value[k], place[k], 1e-9);
+    saltus_branch_free(branch);
+    saltus_scene_clear(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
@@ -512,6 +558,7 @@ int main(void) {
         cmocka_unit_test(folds_meet_grazing_after_chatter),
         cmocka_unit_test(weak_impacts_stay_apart),
         cmocka_unit_test(tori_end_on_the_curve_of_flips),
+        cmocka_unit_test(steep_curves_join_at_flips),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

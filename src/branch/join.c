@@ -46,7 +46,7 @@ static double left_of(saltus_extended *x, measure by, int parts, const saltus_so
 static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double ahead, double apart,
                                  int samples, measure by, int parts, saltus_locus_point *at, double *spread,
                                  saltus_message *message) {
-    const double sharpest = 1e-13, sharp = 1e-12;
+    const double sharpest = 1e-13, sharp = 1e-11;
     int m = here->at.unknowns;
     double rest[samples_most], *u = calloc((size_t)(m * samples), sizeof *u);
     saltus_locus_point before = {.corner_count = 0};
@@ -226,15 +226,14 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
                                 saltus_point_kind *kind, saltus_message *message) {
     static const double apart[] = {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5};
     enum { spacings = sizeof apart / sizeof apart[0] };
-    const double little = 1e-3, near = 1e-3, sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11;
+    const double sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11;
     const size_t size = (size_t)here->at.unknowns * sizeof(double);
     int parts;
     double spread, ahead = 0, least = INFINITY;
     *kind = SALTUS_POINT_REGULAR;
     if (x->kind != SALTUS_POINT_GR)
         return saltus_locus_join_halves(x, here, at, kind, message);
-    if (!(saltus_corner_breach(x, &here->orbit) > -little) ||
-        !(saltus_locus_apart(x, &here->orbit, &parts) < near))
+    if (!isfinite(saltus_locus_apart(x, &here->orbit, &parts)))
         return SALTUS_OK;
     double *u = malloc(size);
     saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
