@@ -533,6 +533,50 @@ static void a_branch_joined_twice_is_followed_once(void **unused) {
     branch_forget(&from);
 }
 
+/* After a run of impacts the halves of orbits of twice the period are all but alike. They fold and graze as
+ * others do, and end where the shorter orbits flip. */
+static void halves_that_are_all_but_alike(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    branch_record record = run_scene("fig7d", "r=0.739", "r", 0.7095, 0.74, 1);
+    double flip[8] = {0};
+    int flips = 0, joined = 0, folds = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        if (p->branch == 1 && p->kind == SALTUS_POINT_PD)
+            flip[flips++] = p->value[0];
+        if (p->branch < 2)
+            continue;
+        assert_null(strstr(p->reason, "at their grazing"));
+        folds += p->kind == SALTUS_POINT_LP;
+        if (p->kind != SALTUS_POINT_PD)
+            continue;
+        assert_string_equal(p->reason, "joins the orbits of half the period");
+        check_near(p->value[0], flip[joined++], 1e-11);
+    }
+    assert_int_equal(flips, 6);
+    assert_int_equal(joined, flips);
+    assert_int_equal(folds, flips);
+    branch_forget(&record);
+}
+
+/* Without losses multipliers are on the unit circle: where a range ends at r = 1 they come to it and do not
+ * cross it. */
+static void no_torus_begins_where_nothing_is_lost(void **unused) {
+    (void)unused;
+    const double lows[] = {0.2, 0.3, 0.4}, steps[] = {0.04, 0.03, 0.02};
+    for (int k = 0; k < 3; k++) {
+        branch_record record = run_in_steps("impact-pair", "", "r", lows[k], 1, 0, steps[k]);
+        bool ends = false;
+        for (int j = 0; j < record.count; j++) {
+            assert_true(record.point[j].kind != SALTUS_POINT_NS);
+            ends |= record.point[j].kind == SALTUS_POINT_EP && record.point[j].value[0] == 1;
+        }
+        assert_true(ends);
+        branch_forget(&record);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doubled_orbits_end_at_flips),
@@ -548,6 +592,8 @@ int main(void) {
         cmocka_unit_test(joins_are_where_the_other_branch_says),
         cmocka_unit_test(joined_branches_are_followed),
         cmocka_unit_test(a_branch_joined_twice_is_followed_once),
+        cmocka_unit_test(halves_that_are_all_but_alike),
+        cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -388,15 +388,16 @@ static bool joins(saltus_orbits *o, const saltus_solution *from, const saltus_so
     if (mirrored && !saltus_system_mirror_symmetric(o->system, &shift))
         return false;
     const double apart = saltus_solution_half_distance(o, at, mirrored), unit = o->family.unit[0],
-                 before = mirrored ? saltus_solution_half_distance(o, from, true) : INFINITY;
-    const bool near = mirrored ? apart < 1e-3 && apart < 0.05 * before && before > asymmetric
-                               : apart < 2e-2 && at->sequence.count % 2 == 0;
+                 before = saltus_solution_half_distance(o, from, mirrored);
+    /* Beyond a long run of impacts the halves are always all but alike. */
+    const bool closes = apart < 0.05 * before, even = mirrored || at->sequence.count % 2 == 0;
     double value = NAN;
     saltus_zero zero = {.found = false};
-    if (near)
-        zero = zero_between_halves(o, at, mirrored, &value);
+    if (!even || !(apart < (mirrored ? 1e-3 : 2e-2)) || (mirrored && !(closes && before > asymmetric)))
+        return false;
+    zero = zero_between_halves(o, at, mirrored, &value);
     const bool found = zero.found && fabs(value - at->value) < 1e-6 * unit;
-    if (mirrored ? !near : !(apart < 1e-4 || found))
+    if (!mirrored && !found && !(closes && apart < 1e-4))
         return false;
     special->kind = mirrored ? SALTUS_POINT_BP : SALTUS_POINT_PD;
     special->end = mirrored ? "joins the orbits that are their own mirror images"

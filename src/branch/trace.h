@@ -52,6 +52,9 @@ saltus_status saltus_trace_end(saltus_trace *trace, const saltus_solution *solut
  * `must` be. `bends`: both have the same sequence, so that the curve's bend is known. */
 saltus_status saltus_trace_accept(saltus_trace *trace, bool bends, bool must, const char *reason,
                                   saltus_message *message);
+/* From an orbit that grazes, `here`, to one a little beyond, `next`: give out the special points in between,
+ * and that one. */
+saltus_status saltus_trace_leave_grazing(saltus_trace *trace, saltus_message *message);
 
 /* In trace_join.c. Whether a solution is the orbit with these section points. */
 bool saltus_trace_same_orbit(saltus_trace *trace, const saltus_solution *solution, const saltus_lap *lap);

@@ -163,7 +163,7 @@ saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *sta
     if (start->grazes)
         return saltus_change_pass(o, &start->sequence, &start->parameter, start->state, NULL, t->here,
                                   t->next)
-                   ? saltus_trace_accept(t, true, false, NULL, message)
+                   ? saltus_trace_leave_grazing(t, message)
                    : give_up(t, start, "the flow follows no such orbit", message);
     saltus_status status = place_first(t, start, &why);
     if (status == SALTUS_OK)

@@ -161,7 +161,11 @@ static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf
                                   saltus_message *message) {
     bool is_one;
     saltus_status status = visit_special(t, hopf, special, &is_one, message);
-    if (status != SALTUS_OK || !is_one)
+    /* Where nothing is lost at the end of the range, as where r = 1, pairs come to the circle but do not
+     * cross it: rounding decides on which side they are. */
+    const double place = t->trial->parameter[0];
+    const bool at_border = fmin(fabs(place - t->range[0]), fabs(place - t->range[1])) < saltus_at_border;
+    if (status != SALTUS_OK || !is_one || (special->kind == SALTUS_POINT_NS && at_border))
         return status;
     if (t->trail->options->locus && t->trail->options->locus == special->kind &&
         (!special->end || special->kind == SALTUS_POINT_HB))
@@ -293,6 +297,17 @@ static bool ends_run(const saltus_solution *s) {
     return false;
 }
 
+saltus_status saltus_trace_leave_grazing(saltus_trace *t, saltus_message *message) {
+    saltus_hopf_ahead hopf;
+    bool misses;
+    saltus_status status =
+        saltus_cycle_seek_hopf(&t->orbits, t->here, t->next, t->other, t->trial, &hopf, &misses, message);
+    if (status == SALTUS_OK)
+        status = give_specials(t, &hopf, message);
+    return status == SALTUS_OK && t->trail->following ? saltus_trace_accept(t, true, false, NULL, message)
+                                                      : status;
+}
+
 /* Beyond grazing at `next`, to a point a little further on. */
 static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *message) {
     saltus_orbits *o = &t->orbits;
@@ -303,7 +318,9 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
         .kind = SALTUS_POINT_GR, .ahead = at->at.ahead, .accuracy = accuracy, .change = true};
     bool doubled;
     const bool images = saltus_trace_joins_images(t, at);
-    bool completes, joins = images || saltus_solution_half_distance(o, at, false) < 1e-4;
+    const double apart = saltus_solution_half_distance(o, at, false);
+    bool completes,
+        joins = images || (apart < 1e-4 && apart < 0.05 * saltus_solution_half_distance(o, t->here, false));
     what.grazing = saltus_trace_touch(at, joins);
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
     saltus_status status = saltus_change_graze(o, at, &beyond, t->spare, t->trial, &change, message);
@@ -343,13 +360,7 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
     saltus_trace_swap(&t->here, &t->spare);
     saltus_trace_swap(&t->next, &t->trial);
     t->trail->step = fmax(t->next->at.ahead, 0.25 * t->trail->step);
-    saltus_hopf_ahead hopf;
-    bool misses;
-    status = saltus_cycle_seek_hopf(o, t->here, t->next, t->other, t->trial, &hopf, &misses, message);
-    if (status == SALTUS_OK)
-        status = give_specials(t, &hopf, message);
-    if (status == SALTUS_OK && t->trail->following)
-        status = saltus_trace_accept(t, true, false, NULL, message);
+    status = saltus_trace_leave_grazing(t, message);
     return status == SALTUS_OK && t->trail->following && t->births.count == saltus_births_length
                ? complete_run(t, false, &completes, message)
                : status;
