@@ -347,31 +347,37 @@ static void a_contact_splits_at_one_place(void **unused) {
     saltus_scene_clear(&pipe);
 }
 
-/* A run from what a scene with these settings settles on. */
-static branch_record run_in_steps(const char *scene_name, const char *settings, const char *key, double low,
-                                  double high, int switches, double longest) {
+/* A run from an orbit of a scene with these settings or, if `periods` is 0, from what that settles on. */
+static branch_record run_from(const char *scene_name, const char *settings, int periods, const double *state,
+                              const saltus_branch_options *options) {
     saltus_message message = {.text = ""};
     saltus_scene scene = {.name = ""};
-    saltus_branch_options options = branch_along(key, low, high);
     saltus_classify_options how = saltus_classify_defaults();
-    saltus_motion motion;
-    double state[SALTUS_SCENE_STATE_MAX];
-    options.switches = switches;
-    options.step_max = longest;
-    options.step = longest / 4;
+    saltus_motion motion = {.periods = periods, .state = NULL};
+    double own[SALTUS_SCENE_STATE_MAX];
     check_ok(saltus_scene_load(scene_name, &scene, &message), &message);
     char *copy = strdup(settings), *rest = copy;
     for (char *word; (word = strtok_r(rest, " ", &rest));)
         check_ok(saltus_scene_set(&scene, word, &message), &message);
     free(copy);
     saltus_system *system = build(&scene.spec);
-    check_ok(saltus_scene_state(&scene, system, state, &message), &message);
-    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
-    branch_record record = branch_run(&scene.spec, motion.periods, motion.state, &options);
+    check_ok(saltus_scene_state(&scene, system, own, &message), &message);
+    if (!periods)
+        check_ok(saltus_classify(system, own, &how, &motion, &message), &message);
+    branch_record record = branch_run(&scene.spec, motion.periods, periods ? state : motion.state, options);
     saltus_motion_clear(&motion);
     saltus_system_free(system);
     saltus_scene_clear(&scene);
     return record;
+}
+
+static branch_record run_in_steps(const char *scene_name, const char *settings, const char *key, double low,
+                                  double high, int switches, double longest) {
+    saltus_branch_options options = branch_along(key, low, high);
+    options.switches = switches;
+    options.step_max = longest;
+    options.step = longest / 4;
+    return run_from(scene_name, settings, 0, NULL, &options);
 }
 
 static branch_record run_scene(const char *scene_name, const char *settings, const char *key, double low,
@@ -382,7 +388,9 @@ static branch_record run_scene(const char *scene_name, const char *settings, con
 /* Whatever the steps, a run finds the same special points on the same branches, known as well as it says:
  * also a flip within the first step of a branch that was switched to, two flips around the place where a
  * branch turns back into itself, orbits along which perturbations grow beyond all bounds, impacts that die as
- * the orbit touches elsewhere, and places where the equations are singular. */
+ * the orbit touches elsewhere, places where the equations are singular, branches that turn so sharply where
+ * they begin that a long step would lead to other orbits of the same events, and a fold just before a branch
+ * turns back into itself. */
 static void steps_do_not_matter(void **unused) {
     (void)unused;
     static const struct {
@@ -396,6 +404,8 @@ static void steps_do_not_matter(void **unused) {
         {"impact-oscillator", "d=1.17242 omega=0.820691 r=0.748885 c=0 sides=both", "omega", 0.615519,
          1.10793, 2, 6},
         {"fig7d", "omega=20.7173 d=0.0178042 r=0.375591 N=2", "omega", 20, 21.2, 1, 4},
+        {"impact-pair", "d=0.844319 omega=1 r=0.478", "r", 0.4, 0.55, 2, 10},
+        {"impact-oscillator", "d=0.48 omega=0.440908 r=0.667033 c=0 sides=both", "d", 0.4, 0.55, 0, 2},
     };
     for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
         branch_record record[3];
@@ -425,6 +435,37 @@ static void steps_do_not_matter(void **unused) {
         for (int k = 0; k < 3; k++)
             branch_forget(&record[k]);
     }
+}
+
+/* A flip of doubled orbits so close to where they leave those of half the period that one step passes both:
+ * it is found on the way there, whatever the steps, and on the way from there. */
+static void a_flip_beside_a_join_is_found(void **unused) {
+    (void)unused;
+    static const char settings[] = "F=0.7292 omega=1.08106 d=0.941356 c=0.325636 r=0.406333 sides=both";
+    branch_record from = run_scene("duffing", settings, "F", 0.728, 0.76, 1);
+    const saltus_branch_point *flip = NULL, *start = NULL;
+    for (int k = 0; k < from.count; k++) {
+        const saltus_branch_point *p = &from.point[k];
+        if (strcmp(p->label, "6/4") == 0 && p->kind == SALTUS_POINT_PD)
+            flip = p;
+        if (flip && !start && p->value[0] < flip->value[0] - 1e-5)
+            start = p;
+    }
+    assert_true(flip && start);
+    char there[200];
+    snprintf(there, sizeof there, "%s F=%.17g", settings, start->value[0]);
+    for (double longest = 0.02; longest > 0.001; longest /= 2) {
+        saltus_branch_options options = branch_along("F", 0.316, 0.79);
+        options.step = options.step_max = longest;
+        options.direction = 1;
+        branch_record record = run_from("duffing", there, start->periods, start->state, &options);
+        const saltus_branch_point *join = last_of(&record) - 1, *before = join - 1;
+        assert_string_equal(join->reason, "joins the orbits of half the period");
+        assert_int_equal(before->kind, SALTUS_POINT_PD);
+        check_near(before->value[0], flip->value[0], before->accuracy + flip->accuracy);
+        branch_forget(&record);
+    }
+    branch_forget(&from);
 }
 
 /* The only point of a kind in a record. */
@@ -589,6 +630,7 @@ int main(void) {
         cmocka_unit_test(a_tail_is_counted_where_it_grazes),
         cmocka_unit_test(a_contact_splits_at_one_place),
         cmocka_unit_test(steps_do_not_matter),
+        cmocka_unit_test(a_flip_beside_a_join_is_found),
         cmocka_unit_test(joins_are_where_the_other_branch_says),
         cmocka_unit_test(joined_branches_are_followed),
         cmocka_unit_test(a_branch_joined_twice_is_followed_once),

@@ -85,20 +85,60 @@ static int add_along(saltus_orbits *o, const saltus_solution *from, const saltus
                saltus_test_value(found.test, found.target, to, from), found, specials, count, scratch);
 }
 
-static place place_of(const saltus_solution *s, const saltus_solution *from, double ahead) {
+/* `hidden`: bits of the tests that are not compared there. */
+static place place_of(const saltus_solution *s, const saltus_solution *from, double ahead, unsigned hidden) {
     place own = {.ahead = ahead};
     for (int test = 0; test <= SALTUS_TEST_PAIR; test++)
-        own.value[test] = saltus_test_value((saltus_test)test, 0, s, from);
+        own.value[test] = hidden >> test & 1 ? NAN : saltus_test_value((saltus_test)test, 0, s, from);
     return own;
 }
 
-/* `scratch` becomes the orbit at a place, surveyed. False: there is none. */
+/* `scratch` becomes the orbit at a place, surveyed. False: there is none on this curve. */
 static bool look(saltus_orbits *o, const saltus_solution *from, double ahead, saltus_solution *scratch) {
     return saltus_solution_visit(o, from, ahead, scratch, NULL) == SALTUS_OK &&
+           !saltus_special_strays(o, from, scratch) &&
            saltus_orbits_noted(o, saltus_solution_survey(o, scratch, NULL)) == SALTUS_OK;
 }
 
 enum { places_max = 8, tested_max = 8 };
+
+/* Insert a place between the first and the last one, unless the curve is not reached there, or there is no
+ * more room. Returns the new number. */
+static int insert(saltus_orbits *o, const saltus_solution *from, double ahead, unsigned hidden,
+                  saltus_solution *scratch, place *places, int known) {
+    int at = known;
+    if (known == places_max || !(ahead > places[0].ahead) || !(ahead < places[known - 1].ahead) ||
+        !look(o, from, ahead, scratch))
+        return known;
+    for (; places[at - 1].ahead > ahead; at--)
+        places[at] = places[at - 1];
+    places[at] = place_of(scratch, from, ahead, hidden);
+    return known + 1;
+}
+
+/* Where a branch turns back into itself at `ahead`, a fold beyond is the image of one before, and so is the
+ * end of the step of an orbit before: a place between that and the crossing. `early`: this close to it
+ * the tangent is rounding. */
+static double image_of_fold(const saltus_special *specials, int count, double ahead, double early,
+                            const saltus_solution *to) {
+    double beyond = to->at.ahead;
+    for (int k = 0; k < count; k++)
+        if (specials[k].test == SALTUS_TEST_FOLD && specials[k].ahead > ahead + 2 * early)
+            beyond = fmin(beyond, specials[k].ahead);
+    return ahead - 0.5 * (beyond - ahead);
+}
+
+/* Whether an orbit lacks the multiplier 1 or -1 of a fold, flip or crossing: where an impact has zero speed
+ * the equations are singular for other reasons. But next to grazing multipliers change so fast that even at a
+ * true flip, known to 13 digits, the multiplier need not be near -1. */
+static bool lacks_multiplier(const saltus_solution *at, saltus_point_kind kind) {
+    const double close = 0.05, wanted = kind == SALTUS_POINT_PD ? -1 : 1;
+    const saltus_survey *survey = &at->survey;
+    bool lacks = survey->walked && survey->multiplier_count > 0;
+    for (int k = 0; k < survey->multiplier_count && lacks; k++)
+        lacks = hypot(survey->multipliers[k].re - wanted, survey->multipliers[k].im) > close;
+    return lacks;
+}
 
 /* Whether a pair stays on the unit circle, as of orbits without damping: it crosses by rounding only. */
 static bool stays_on_circle(const saltus_solution *from, const saltus_solution *to) {
@@ -109,21 +149,23 @@ static bool stays_on_circle(const saltus_solution *from, const saltus_solution *
 /* Add the zeros of tests. A test may have two zeros on a step around the zero of another one: where a branch
  * turns back into orbits that it has passed already, all other tests do; and where a single multiplier
  * crosses the unit circle, a pair of real ones may pass the product 1. So the tests are compared at the zeros
- * of others, too. At the start of a `fresh` branch determinants are rounding, as far as the square root of
- * the error of the parameter there: the first place is beyond it. */
+ * of others, too, or just before them where the equations are singular. At the start of a `fresh` branch
+ * determinants are rounding, as far as the square root of the error of the parameter there, except that of
+ * flips at a branch of twice the period: the next place is beyond it. */
 static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
                       saltus_special *specials, saltus_solution *scratch) {
     static const saltus_special kinds[] = {{.kind = SALTUS_POINT_LP, .test = SALTUS_TEST_FOLD},
                                            {.kind = SALTUS_POINT_PD, .test = SALTUS_TEST_FLIP},
                                            {.kind = SALTUS_POINT_BP, .test = SALTUS_TEST_CROSSING},
                                            {.kind = SALTUS_POINT_NS, .test = SALTUS_TEST_PAIR}};
-    const double beyond = 1e-4;
-    place places[places_max] = {place_of(from, from, 0), place_of(to, from, to->at.ahead)};
+    const double beyond = 1e-4, just = 1e-3;
+    const bool far_from_flip = lacks_multiplier(from, SALTUS_POINT_PD) && !begins_at_grazing(from);
+    const unsigned vague = ~(far_from_flip ? 1u << SALTUS_TEST_FLIP : 0u);
+    place places[places_max] = {place_of(from, from, 0, fresh ? vague : 0),
+                                place_of(to, from, to->at.ahead, 0)};
     int count = 0, known = 2;
-    if (fresh && (to->at.ahead < 2 * beyond || !look(o, from, beyond, scratch)))
-        return 0;
     if (fresh)
-        places[0] = place_of(scratch, from, beyond);
+        known = insert(o, from, beyond, 0, scratch, places, known);
     const int kind_count = stays_on_circle(from, to) ? 3 : 4;
     for (int pass = 0; pass < 2; pass++)
         for (int k = 0; k < kind_count; k++) {
@@ -138,17 +180,20 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
                             count, scratch);
                 last = places[j];
             }
-            for (int j = 0; j < count && count > before && known < places_max; j++) {
+            for (int j = 0; j < count && count > before; j++) {
                 const double ahead = specials[j].ahead;
-                int at = known;
-                if (specials[j].test != test || test > SALTUS_TEST_FLIP || !(ahead > places[0].ahead) ||
-                    !(ahead < to->at.ahead) || !look(o, from, ahead, scratch))
+                if (specials[j].test != test || test > SALTUS_TEST_CROSSING)
                     continue;
-                for (; places[at - 1].ahead > ahead; at--)
-                    places[at] = places[at - 1];
-                places[at] = place_of(scratch, from, ahead);
-                places[at].value[test] = NAN; /* zero there */
-                known++;
+                if (test == SALTUS_TEST_CROSSING) {
+                    const double early = just * to->at.ahead,
+                                 image = image_of_fold(specials, count, ahead, early, to);
+                    known = insert(o, from, ahead - early, 1u << test | 1u << SALTUS_TEST_FOLD, scratch,
+                                   places, known);
+                    known =
+                        insert(o, from, image, fresh && image < beyond ? vague : 0, scratch, places, known);
+                } else
+                    known = insert(o, from, ahead, fresh && ahead < beyond ? vague : 1u << test, scratch,
+                                   places, known);
             }
         }
     return count;
@@ -389,13 +434,14 @@ static bool joins(saltus_orbits *o, const saltus_solution *from, const saltus_so
         return false;
     const double apart = saltus_solution_half_distance(o, at, mirrored), unit = o->family.unit[0],
                  before = saltus_solution_half_distance(o, from, mirrored);
-    /* Beyond a long run of impacts the halves are always all but alike. */
-    const bool closes = apart < 0.05 * before, even = mirrored || at->sequence.count % 2 == 0;
-    double value = NAN;
-    saltus_zero zero = {.found = false};
-    if (!even || !(apart < (mirrored ? 1e-3 : 2e-2)) || (mirrored && !(closes && before > asymmetric)))
+    /* A branch may also begin at such orbits; and beyond a long run of impacts the halves are always all but
+     * alike. */
+    const bool closes = apart < 0.05 * before;
+    if (!(before > asymmetric &&
+          (mirrored ? apart < 1e-3 && closes : apart < 2e-2 && at->sequence.count % 2 == 0)))
         return false;
-    zero = zero_between_halves(o, at, mirrored, &value);
+    double value;
+    const saltus_zero zero = zero_between_halves(o, at, mirrored, &value);
     const bool found = zero.found && fabs(value - at->value) < 1e-6 * unit;
     if (!mirrored && !found && !(closes && apart < 1e-4))
         return false;
@@ -416,18 +462,6 @@ static bool forgets_all(const saltus_survey *survey) {
     for (int k = 0; k < survey->multiplier_count; k++)
         all = all && survey->multipliers[k].log_modulus == -INFINITY;
     return all && survey->multiplier_count > 0;
-}
-
-/* Whether an orbit lacks the multiplier 1 or -1 of a fold, flip or crossing: where an impact has zero speed
- * the equations are singular for other reasons. But next to grazing multipliers change so fast that even at a
- * true flip, known to 13 digits, the multiplier need not be near -1. */
-static bool lacks_multiplier(const saltus_solution *at, saltus_point_kind kind) {
-    const double close = 0.05, wanted = kind == SALTUS_POINT_PD ? -1 : 1;
-    const saltus_survey *survey = &at->survey;
-    bool lacks = survey->walked && survey->multiplier_count > 0;
-    for (int k = 0; k < survey->multiplier_count && lacks; k++)
-        lacks = hypot(survey->multipliers[k].re - wanted, survey->multipliers[k].im) > close;
-    return lacks;
 }
 
 saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double reach,

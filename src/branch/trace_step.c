@@ -495,6 +495,30 @@ static saltus_status fade(saltus_trace *t, bool *done, saltus_message *message) 
     return status == SALTUS_OK ? go_over(t, what, what.ahead + zero.ahead, message) : status;
 }
 
+/* Whether the first step of a branch, for which no bend is known yet, has led to another curve of the same
+ * events: halved again and again until the curve hardly turns, it does not lead to the same places. */
+static bool jumps(saltus_trace *t) {
+    const double close = 1e-6, straight = 0.99, least = 1e-5;
+    const saltus_curve_point *here = &t->here->at, *far = &t->next->at, *reached = &t->other->at;
+    saltus_solution *middle = t->trial, *free = t->spare;
+    while (far->ahead > least && saltus_dot(here->tangent, far->tangent, here->unknowns) < straight) {
+        double rest = 0, apart = 0;
+        if (saltus_solution_visit(&t->orbits, t->here, 0.5 * far->ahead, middle, NULL) != SALTUS_OK)
+            return true;
+        for (int j = 0; j < here->unknowns; j++)
+            rest += middle->at.tangent[j] * (far->u[j] - middle->at.u[j]);
+        if (saltus_solution_visit(&t->orbits, middle, rest, t->other, NULL) != SALTUS_OK)
+            return true;
+        for (int j = 0; j < here->unknowns; j++)
+            apart = hypot(apart, far->u[j] - reached->u[j]);
+        if (apart > close * far->ahead)
+            return true;
+        far = &middle->at;
+        saltus_trace_swap(&middle, &free);
+    }
+    return false;
+}
+
 /* *again: the step to `next` was too long to see what it passed, and is repeated with a shorter one. If it
  * cannot be shorter the branch may end. `hopf` becomes the Hopf point ahead, with its orbit as `other`. */
 static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *again,
@@ -503,7 +527,7 @@ static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *a
     saltus_orbits *o = &t->orbits;
     const bool shorter = t->next->at.ahead > least;
     saltus_status status = SALTUS_OK;
-    *again = shorter && saltus_special_strays(o, t->here, t->next);
+    *again = shorter && (saltus_special_strays(o, t->here, t->next) || (t->trail->fresh && jumps(t)));
     if (!*again) {
         bool misses;
         status = saltus_cycle_seek_hopf(o, t->here, t->next, t->other, t->trial, hopf, &misses, message);
