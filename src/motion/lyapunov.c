@@ -113,10 +113,9 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
     double errors_seen[64]; /* at looks, each after twice the time of the one before */
     int looks = 0;
     while (status == SALTUS_OK && !stopped && !l->precise && !l->slow) {
-        long long done = e->member[0].samples, left = (o->periods - spent) / each,
-                  chunk = done / chunks_per_run;
-        chunk = chunk < shortest_chunk ? shortest_chunk : chunk > longest_chunk ? longest_chunk : chunk;
-        chunk = chunk < left ? chunk : left;
+        long long done = e->member[0].samples, left = (o->periods - spent) / each;
+        const double part = fmin(fmax((double)(done / chunks_per_run), shortest_chunk), longest_chunk);
+        const long long chunk = (long long)fmin(part, (double)left);
         if (chunk < 1)
             break;
         status = saltus_ensemble_run(e, chunk, message);
