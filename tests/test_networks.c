@@ -537,6 +537,42 @@ static void steep_curves_join_at_flips(void **unused) {
     saltus_scene_clear(&scene);
 }
 
+/* The pair of multipliers of an orbit that is its own mirror image passes -1 where that of its half is at a
+ * quarter: no R2, and the curve of tori goes on until the half's pair meets at -1, where others branch off.
+ */
+static void tori_of_mirror_images_pass_minus_one(void **unused) {
+    (void)unused;
+    static const network network = {"fig7d",
+                                    "omega=39.4447 d=0.0236915 r=0.686473 N=2 sides=both",
+                                    SALTUS_POINT_LP,
+                                    {"omega", "d"},
+                                    {39.4, 0.0236},
+                                    {42.9, 0.0249},
+                                    2,
+                                    {0},
+                                    0};
+    branch_record record = follow(&network, 0.02, 0, NULL);
+    int met[3] = {0}, ends = 0, mirrored = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        const double re = p->multipliers[0].re;
+        mirrored += p->locus == SALTUS_POINT_BP;
+        if (p->locus != SALTUS_POINT_NS)
+            continue;
+        assert_int_not_equal(p->kind, SALTUS_POINT_R2);
+        if (p->kind == SALTUS_POINT_R3)
+            check_near(re, -0.5, 1e-7);
+        if (p->kind == SALTUS_POINT_R4)
+            check_near(re, 0, 1e-7);
+        met[0] += p->kind == SALTUS_POINT_R3;
+        met[1] += p->kind == SALTUS_POINT_R4;
+        met[2] += p->kind == SALTUS_POINT_R1;
+        ends += p->kind == SALTUS_POINT_EP;
+    }
+    assert_true(met[0] == 2 && met[1] == 2 && met[2] == 2 && ends == 2 && mirrored > 2);
+    branch_forget(&record);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
@@ -559,6 +595,7 @@ int main(void) {
         cmocka_unit_test(weak_impacts_stay_apart),
         cmocka_unit_test(tori_end_on_the_curve_of_flips),
         cmocka_unit_test(steep_curves_join_at_flips),
+        cmocka_unit_test(tori_of_mirror_images_pass_minus_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

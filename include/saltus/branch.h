@@ -42,7 +42,8 @@ typedef enum saltus_point_kind {
      * of release. */
     SALTUS_POINT_CH_GR,
     SALTUS_POINT_R1, /* resonance 1:1, a double multiplier 1 */
-    SALTUS_POINT_R2, /* resonance 1:2, a double multiplier -1 */
+    SALTUS_POINT_R2, /* resonance 1:2, a double multiplier -1 where flips and tori meet; not where the pair of
+                      * an orbit that is its own mirror image passes -1, with that of its half at a quarter */
     SALTUS_POINT_R3, /* resonance 1:3, a pair at a third of the circle */
     SALTUS_POINT_R4, /* resonance 1:4, a pair at a quarter of the circle */
     SALTUS_POINT_BT, /* of equilibria: two zero eigenvalues (Bogdanov-Takens) */

@@ -407,9 +407,14 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
         break;
     case SALTUS_POINT_NS:
         corners[count++] = smooth(SALTUS_POINT_R1, theta, true);
-        corners[count++] = smooth(SALTUS_POINT_R2, theta - M_PI, true);
-        corners[count++] = smooth(SALTUS_POINT_R3, theta - 2 * M_PI / 3, false);
-        corners[count++] = smooth(SALTUS_POINT_R4, theta - M_PI / 2, false);
+        /* The multipliers of an orbit that is its own mirror image are squares of those of its half. Where
+         * their pair meets at -1 that of the half is at a quarter, and the curve goes on until that meets at
+         * -1: there others branch off (BP). */
+        corners[count] = x->mirrored ? smooth(SALTUS_POINT_R1, theta - 2 * M_PI, true)
+                                     : smooth(SALTUS_POINT_R2, theta - M_PI, true);
+        corners[count++].theta = x->mirrored ? 2 * M_PI : M_PI;
+        corners[count++] = smooth(SALTUS_POINT_R3, cos(theta) + 0.5, false);
+        corners[count++] = smooth(SALTUS_POINT_R4, cos(theta), false);
         break;
     case SALTUS_POINT_GR:
         if (!measure_grazing(x, s, corners + 1))

@@ -23,8 +23,8 @@ typedef struct saltus_locus_test {
     bool without; /* on a curve of grazing: function of the orbit without the impact */
     bool joins;   /* on a curve of grazing: the orbit there closes after half the period, or is its own mirror
                      image, unlike those of the curve */
-    /* GR-NS: the angle of the pair of multipliers on the unit circle, NAN if there is none; and the
-     * multipliers, and real products of two of them, that are closest to the circle. */
+    /* The angle of the pair of multipliers on the unit circle, NAN if there is none: GR-NS, and where a curve
+     * of tori ends; and at GR-NS the multipliers, and real products of two of them, closest to the circle. */
     double theta;
     saltus_close single, product;
 } saltus_locus_test;

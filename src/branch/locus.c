@@ -501,7 +501,7 @@ static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, doub
         return status;
     const saltus_point_kind kind = corner.kind;
     if (l->x.kind == SALTUS_POINT_NS && corner.ends && !corner.breach) {
-        saltus_locus_sharpen(&l->x, &l->here, kind == SALTUS_POINT_R2 ? M_PI : 0, &l->trial, &l->next);
+        saltus_locus_sharpen(&l->x, &l->here, corner.theta, &l->trial, &l->next);
         saltus_halved_double(&l->x, kind, &l->trial);
         /* There the curve of tori turns back: theta goes on beyond 0 or pi and gives the same orbits
          * again. */

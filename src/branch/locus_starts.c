@@ -299,6 +299,7 @@ static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const 
     if (corner->kind == SALTUS_POINT_R1 || corner->kind == SALTUS_POINT_R2) {
         bool at_one = corner->kind == SALTUS_POINT_R1;
         start->kind = x->kind != SALTUS_POINT_NS ? SALTUS_POINT_NS
+                      : corner->theta > M_PI     ? SALTUS_POINT_BP
                       : at_one                   ? SALTUS_POINT_LP
                                                  : SALTUS_POINT_PD;
         start->theta = at_one ? 0 : M_PI;
