@@ -285,6 +285,16 @@ static int lay_together(const saltus_sequence *whole, int parts, int slow, saltu
     return find_mark(once, &own);
 }
 
+/* `at` becomes the zero of the test, if the shorter orbits could be opened and have one. Closes them. */
+static bool finish(saltus_extended *x, shorter *s, bool opened, saltus_locus_point *at) {
+    double doubt = NAN;
+    const bool found = opened && find_zero(s, &doubt) && go_through(x, s, s->at.u, at);
+    if (found)
+        at->doubt = doubt;
+    close_shorter(x, s);
+    return found;
+}
+
 bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, saltus_locus_point *at) {
     const double alike = 1e-5;
     const saltus_breach *touch = NULL;
@@ -303,30 +313,20 @@ bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, 
             : -1;
     if (mark < 0)
         return false;
-    bool found = open_shorter(&s, x, at, &once, SALTUS_POINT_GR, mark);
+    const bool opened = open_shorter(&s, x, at, &once, SALTUS_POINT_GR, mark);
     s.kind = parts > 2 ? SALTUS_POINT_R4 : kind;
     s.parts = parts;
     s.without = s.kind == SALTUS_POINT_GR_PD && whole->count < parts * once.count;
-    double doubt = NAN;
-    found = found && find_zero(&s, &doubt) && go_through(x, &s, s.at.u, at);
-    if (found)
-        at->doubt = doubt;
-    close_shorter(x, &s);
-    return found;
+    return finish(x, &s, opened, at);
 }
 
 bool saltus_halved_double(saltus_extended *x, saltus_point_kind kind, saltus_locus_point *at) {
     const saltus_sequence whole = at->orbit.sequence;
     shorter s;
-    bool found =
+    const bool opened =
         open_shorter(&s, x, at, &whole, kind == SALTUS_POINT_R2 ? SALTUS_POINT_PD : SALTUS_POINT_LP, 0);
     s.kind = kind;
-    double doubt = NAN;
-    found = found && find_zero(&s, &doubt) && go_through(x, &s, s.at.u, at);
-    if (found)
-        at->doubt = doubt;
-    close_shorter(x, &s);
-    return found;
+    return finish(x, &s, opened, at);
 }
 
 bool saltus_halved_resonates(saltus_extended *x, const saltus_locus_point *here, saltus_locus_point *at) {
