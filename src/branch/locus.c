@@ -503,8 +503,8 @@ static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, doub
     if (l->x.kind == SALTUS_POINT_NS && corner.ends && !corner.breach) {
         saltus_locus_sharpen(&l->x, &l->here, corner.theta, &l->trial, &l->next);
         saltus_halved_double(&l->x, kind, &l->trial);
-        /* There the curve of tori turns back: theta goes on beyond 0 or pi and gives the same orbits
-         * again. */
+        /* There the curve of tori turns back: theta goes on beyond 0, pi or, for mirror images, 2 pi and
+         * gives the same orbits again. */
         memset(plane_of(l, l->trial.at.tangent), 0, 2 * sizeof(double));
     }
     status = give_named(l, &corner, ahead, &closes, message);

@@ -191,9 +191,10 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
                                    places, known);
                     known =
                         insert(o, from, image, fresh && image < beyond ? vague : 0, scratch, places, known);
-                } else
+                } else {
                     known = insert(o, from, ahead, fresh && ahead < beyond ? vague : 1u << test, scratch,
                                    places, known);
+                }
             }
         }
     return count;
