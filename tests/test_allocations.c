@@ -9,6 +9,7 @@
 #include "folder.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -148,7 +149,7 @@ static saltus_status follow_flow(trial *t) {
     saltus_flow_options options = saltus_flow_defaults();
     options.columns = 3;
     if (status == SALTUS_OK)
-        status = run_flow(t, system, state, saltus_flow_width(system, SALTUS_AUTOMATIC), &options);
+        status = run_flow(t, system, state, saltus_flow_width(system, SALTUS_AUTOMATIC, LLONG_MAX), &options);
     options.directions = 1;
     if (status == SALTUS_OK)
         status = run_flow(t, system, state, 1, &options);

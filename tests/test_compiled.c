@@ -9,6 +9,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -100,7 +101,7 @@ static saltus_flow *open_way(const way *w, const saltus_system *system) {
     static const char *const keys[] = {"omega", "d"};
     saltus_direction directions[2];
     saltus_flow *flow = NULL;
-    const int lanes = w->wide ? saltus_flow_width(system, SALTUS_AUTOMATIC) : 1,
+    const int lanes = w->wide ? saltus_flow_width(system, SALTUS_AUTOMATIC, LLONG_MAX) : 1,
               dimension = saltus_system_dimension(system);
     options.rtol = 1e-10;
     options.integrator = SALTUS_TAYLOR;
@@ -164,7 +165,7 @@ static bool check_same_event(const way *w, saltus_flow *a, saltus_flow *b, int *
 static void check_way(const way *w, const saltus_system *system, saltus_compiled_function *function,
                       int from) {
     saltus_flow *plain = open_way(w, system), *other = open_way(w, system);
-    int left = w->wide ? saltus_flow_width(system, SALTUS_AUTOMATIC) : 1, events = 0;
+    int left = w->wide ? saltus_flow_width(system, SALTUS_AUTOMATIC, LLONG_MAX) : 1, events = 0;
     interpret(plain);
     interpret(other);
     asked = held_asked = 0;

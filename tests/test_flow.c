@@ -4,6 +4,8 @@
 #include "scenes.h"
 #include "stress_field.h"
 
+#include <limits.h>
+
 enum { widest = 16 };
 
 static void defaults_are_as_stated(void **unused) {
@@ -117,10 +119,11 @@ static void widths_follow_the_instruction_set(void **unused) {
         saltus_system *system = build(&specs[k]);
         for (int level = 0; level < 3; level++) {
             setenv("SALTUS_ISA", names[level], 1);
-            assert_int_equal(saltus_flow_width(system, SALTUS_AUTOMATIC), level == 2 && v4   ? 8
-                                                                          : level >= 1 && v3 ? 4
-                                                                                             : 2);
-            assert_int_equal(saltus_flow_width(stiff_system, SALTUS_AUTOMATIC), 1);
+            assert_int_equal(saltus_flow_width(system, SALTUS_AUTOMATIC, LLONG_MAX), level == 2 && v4   ? 8
+                                                                                     : level >= 1 && v3 ? 4
+                                                                                                        : 2);
+            assert_int_equal(saltus_flow_width(stiff_system, SALTUS_AUTOMATIC, LLONG_MAX), 1);
+            assert_int_equal(saltus_flow_width(system, SALTUS_AUTOMATIC, 1), 1);
             saltus_flow_options options = saltus_flow_defaults();
             saltus_flow *flow = open_flow(system, &options, 0.1, (double[]){0.02, 0.01, 0, 0.1, -0.1, 0});
             advance(flow, 2, 0);
@@ -130,7 +133,7 @@ static void widths_follow_the_instruction_set(void **unused) {
                 check_near(state[level][i], state[0][i], 1e-10);
         }
         unsetenv("SALTUS_ISA");
-        assert_int_equal(saltus_flow_width(system, SALTUS_AUTOMATIC), v4 ? 8 : v3 ? 4 : 2);
+        assert_int_equal(saltus_flow_width(system, SALTUS_AUTOMATIC, LLONG_MAX), v4 ? 8 : v3 ? 4 : 2);
         saltus_system_free(system);
     }
     saltus_system_free(stiff_system);
@@ -456,7 +459,7 @@ static void lanes_are_flows_of_their_own(void **unused) {
             s[l] = varied((scene_name)name, l);
             list[l] = systems[l] = build(&s[l].spec);
         }
-        const int width = saltus_flow_width(systems[0], SALTUS_AUTOMATIC),
+        const int width = saltus_flow_width(systems[0], SALTUS_AUTOMATIC, LLONG_MAX),
                   used = width > 2 ? width - 1 : width;
         for (int l = 0; l < used; l++) {
             saltus_flow *flow = open_flow(systems[l], &options, s[l].phase, s[l].state);
@@ -561,7 +564,7 @@ static void unlike_lanes_are_refused(void **unused) {
     for (int l = 0; l <= widest; l++)
         many[l] = system;
     saltus_flow *flow = NULL;
-    const int width = saltus_flow_width(system, SALTUS_AUTOMATIC);
+    const int width = saltus_flow_width(system, SALTUS_AUTOMATIC, LLONG_MAX);
     assert_int_equal(saltus_flow_new(many, width + 1, &options, &flow, &message), SALTUS_BAD_INPUT);
     static const int none[] = {0, -1};
     char range[40];

@@ -4,9 +4,10 @@
 
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>
+#include <limits.h>
 #include <stdlib.h>
 
-enum { trajectories = 64, modes_max = 9, dimension = 2 * modes_max, columns_max = 2 };
+enum { trajectories = 64, modes_max = 9, dimension = 2 * modes_max, columns_max = modes_max + 1 };
 
 typedef struct outcome {
     double state[dimension], tangents[columns_max * dimension];
@@ -64,7 +65,7 @@ static void set_going(saltus_flow *flow, int lane, int k, saltus_system *const *
 static void run_side_by_side(saltus_system *const *systems, double (*states)[dimension],
                              const saltus_flow_options *options, outcome *out) {
     const saltus_system *first[16];
-    int width = saltus_flow_width(systems[0], SALTUS_AUTOMATIC), own[16], next = 0, lane = 0;
+    int width = saltus_flow_width(systems[0], SALTUS_AUTOMATIC, LLONG_MAX), own[16], next = 0, lane = 0;
     saltus_message message = {.text = ""};
     saltus_flow *flow;
     assert_true(width <= 16);
@@ -118,21 +119,23 @@ static saltus_flow_info compare(int modes, const saltus_flow_options *options) {
 static void same_bits(void **unused) {
     (void)unused;
     saltus_flow_options options = saltus_flow_defaults();
-    options.columns = columns_max;
+    options.columns = 2;
     saltus_flow_info sum = compare(5, &options);
     assert_true(sum.impacts > 5000);
     assert_true(sum.sticks > 20);
 }
 
-/* For numbers of modes with and without their own loops, with and without tangent vectors, and tolerances at
- * which lanes need different orders of the forcing. */
+/* For numbers of modes with and without their own loops, without tangent vectors, with one and with so many
+ * that a single trajectory takes several at once, and tolerances at which lanes need different orders of the
+ * forcing. */
 static void same_bits_at_any_size(void **unused) {
     (void)unused;
     const int modes[] = {1, 2, 3, 4, 5, 6, 7, 8, modes_max};
     const int stride = getenv("SALTUS_SANITIZED") ? 4 : 1; /* sanitizers are slow: three of them will do */
     long long impacts = 0;
     for (int k = 0; k < 9; k += stride)
-        for (int columns = 0; columns <= 1; columns++) {
+        for (int way = 0; way < 3; way++) {
+            const int columns = way < 2 ? way : modes[k] + 1;
             saltus_flow_options options = saltus_flow_defaults();
             options.rtol = columns ? 1e-10 : 1e-7;
             options.atol = 1e-3 * options.rtol;
@@ -215,7 +218,7 @@ static void lanes_under_way(void **unused) {
         given[l] = systems[l] = random_system(rng, l, modes);
         random_state(rng, systems[l], states[l]);
     }
-    const int width = saltus_flow_width(systems[0], SALTUS_TAYLOR);
+    const int width = saltus_flow_width(systems[0], SALTUS_TAYLOR, LLONG_MAX);
     check_ok(saltus_flow_new(given, width, &options, &flow, &message), &message);
     for (int l = 0; l < width; l++) {
         check_ok(saltus_flow_start(flow, l, (saltus_time){0, 0}, states[l], &message), &message);

@@ -5,6 +5,7 @@
 #include "system/state.h"
 
 #include <complex.h>
+#include <limits.h>
 
 static void expect_refusal(const saltus_spec *spec, const char *word) {
     saltus_message message = {.text = ""};
@@ -277,7 +278,7 @@ static void the_integrator_follows_the_stiffness(void **unused) {
             set_parameter(&spec, "alpha", damped ? 0.005 * 16 : 0.005);
             saltus_system *system = build(&spec);
             const bool chosen = strcmp(saltus_system_integrator(system), "mixed") == 0,
-                       alone = saltus_flow_width(system, SALTUS_AUTOMATIC) == 1;
+                       alone = saltus_flow_width(system, SALTUS_AUTOMATIC, LLONG_MAX) == 1;
             const double ratio =
                 steps_in_a_period(system, SALTUS_TAYLOR) / steps_in_a_period(system, SALTUS_RADAU);
             const int dof = saltus_system_dof(system);

@@ -5,6 +5,8 @@
 #include "system/system.h"
 #include "system/text.h"
 
+#include <limits.h>
+
 #define LIST(array)                                                                                          \
     { array, sizeof array / sizeof array[0] }
 
@@ -203,7 +205,8 @@ static void lanes_of(const saltus_spec *spec, int periods) {
     enum { lanes = 16 };
     saltus_system *system = build(spec);
     const saltus_system *all[lanes];
-    const int n = saltus_system_dimension(system), width = saltus_flow_width(system, SALTUS_AUTOMATIC);
+    const int n = saltus_system_dimension(system),
+              width = saltus_flow_width(system, SALTUS_AUTOMATIC, LLONG_MAX);
     const double *scale = saltus_system_scale(system);
     static double start[lanes][state_max], state[2][state_max], columns[2][2 * state_max];
     saltus_flow_options options = saltus_flow_defaults();

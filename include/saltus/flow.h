@@ -113,11 +113,11 @@ saltus_status saltus_flow_single(const saltus_system *system, int columns, const
                                  saltus_flow **flow, saltus_message *message);
 /* NULL is accepted. */
 void saltus_flow_free(saltus_flow *flow);
-/* How many trajectories of a system run side by side on this processor; 1 for integrators that use
- * collocation, and for so many modes that one trajectory at a time is the fastest. With SALTUS_AUTOMATIC,
- * many trajectories use series side by side where that is the fastest for many, even if a single one would
- * use SALTUS_MIXED. */
-int saltus_flow_width(const saltus_system *system, saltus_integrator integrator);
+/* How many of a number of trajectories of a system run side by side on this processor; 1 for integrators that
+ * use collocation, and for so many modes, or so few trajectories, that one trajectory at a time is the
+ * fastest. With SALTUS_AUTOMATIC, many trajectories use series side by side where that is the fastest for
+ * many, even if a single one would use SALTUS_MIXED. */
+int saltus_flow_width(const saltus_system *system, saltus_integrator integrator, long long trajectories);
 const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane);
 int saltus_flow_columns(const saltus_flow *flow);
 

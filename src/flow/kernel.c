@@ -56,6 +56,15 @@ typedef struct frame {
 #define VARY_FORCE(m) (NUMBERS(f.vary.force) + (m))
 #define VARY_DRIVE(d, n, k) (NUMBERS(f.vary.drive) + ((d)*model_vary_drives + (n)) * f.order_span + (k))
 
+/* A frame for the rows of several columns as if they were one. */
+KERNEL_INLINE frame side_by_side(frame f, const int abreast) {
+    if (abreast > 1) {
+        f.block = f.packs *= abreast;
+        f.rest = 1;
+    }
+    return f;
+}
+
 #include SALTUS_MODEL_KERNEL
 
 static saltus_state_rows reserve_rows(saltus_arena *arena, const saltus_work *w, size_t count) {
@@ -270,26 +279,30 @@ KERNEL_INLINE bool holds(frame f) {
     return __builtin_expect(f.hold.count != 0, 0);
 }
 
-/* v_k and q_{k+1} -> v_{k+1}, q_{k+2}. */
-KERNEL_INLINE void expand_order(frame f, int k, int c) {
+/* v_k and q_{k+1} -> v_{k+1}, q_{k+2}, in columns c .. c + abreast - 1. */
+KERNEL_INLINE void expand_order(frame f, int k, int c, const int abreast) {
     const double inverse = 1.0 / (k + 1), later = 1.0 / (k + 2);
     saltus_pack next[ROW_PACKS_MAX], displacement[ROW_PACKS_MAX];
-    const int direction = f.directions - 1 - (f.columns - c);
-    model_order(f, k, c, inverse, next);
-    if (f.directions && direction >= 0)
-        model_source(f, k, c, direction, inverse, next);
-    if (holds(f)) {
-        if (f.vary.tilts && c == 0)
-            keep_forces(f, next);
-        hold_contacts(f, k, c, next);
-        if (f.vary.tilts && direction >= 0)
-            tilt_contacts(f, k, direction, inverse, next);
+    model_order(f, k, c, abreast, inverse, next);
+    for (int j = 0; j < abreast; j++) {
+        const int direction = f.directions - 1 - (f.columns - (c + j));
+        saltus_pack *own = next + j * f.packs;
+        if (f.directions && direction >= 0)
+            model_source(f, k, c + j, direction, inverse, own);
+        if (holds(f)) {
+            if (f.vary.tilts && c == 0)
+                keep_forces(f, own);
+            hold_contacts(f, k, c + j, own);
+            if (f.vary.tilts && direction >= 0)
+                tilt_contacts(f, k, direction, inverse, own);
+        }
     }
-    for (int p = 0; p < f.packs; p++) {
+    for (int p = 0; p < f.packs * abreast; p++) {
         JET(f.v, k + 1, c)[p] = next[p];
         JET(f.q, k + 2, c)[p] = displacement[p] = next[p] * later;
     }
-    model_place(f, k + 1, c, next, displacement);
+    for (int j = 0; j < abreast; j++)
+        model_place(f, k + 1, c + j, next + j * f.packs, displacement + j * f.packs);
 }
 
 /* The gaps' coefficients first .. last, of one trajectory as many at once as a pack holds; the last ones may
@@ -360,6 +373,22 @@ KERNEL_INLINE void begin_jets(frame f, const saltus_work *w, int order) {
         model_start(f, c);
 }
 
+/* An order of all columns of a trajectory: in the common cases those of tangent vectors, which share its
+ * coefficients, side by side, as many as the model can take or one less. */
+KERNEL_INLINE void expand_order_of_all(frame f, int k) {
+    const bool known = __builtin_constant_p(f.packs) && __builtin_constant_p(f.terms);
+    const int most = known && f.packs <= model_abreast ? model_abreast / f.packs : 1, fewer = most - 1;
+    const int lacking = f.columns % most ? most - f.columns % most : 0, full = f.columns - fewer * lacking;
+    int c = 1;
+    expand_order(f, k, 0, 1);
+    for (; most > 1 && c + most - 1 <= full; c += most)
+        expand_order(f, k, c, most);
+    for (; fewer > 1 && c + fewer - 1 <= f.columns; c += fewer)
+        expand_order(f, k, c, fewer);
+    for (; c <= f.columns; c++)
+        expand_order(f, k, c, 1);
+}
+
 /* In the wide kernel, columns that depend only on the trajectory are expanded one after the other, so that
  * all coefficients of one fit into the nearest cache. Narrow ones take turns, because each order waits for
  * the one before. The effect of tilting contacts is kept for one order only. */
@@ -367,11 +396,10 @@ KERNEL_INLINE void expand_columns(frame f, int from, int to) {
     if (SALTUS_WIDE && model_columns_apart && !(f.vary.tilts && f.hold.count))
         for (int c = 0; c <= f.columns; c++)
             for (int k = from; k < to; k++)
-                expand_order(f, k, c);
+                expand_order(f, k, c, 1);
     else
         for (int k = from; k < to; k++)
-            for (int c = 0; c <= f.columns; c++)
-                expand_order(f, k, c);
+            expand_order_of_all(f, k);
 }
 
 KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int from, int to) {
@@ -419,9 +447,9 @@ KERNEL_INLINE void expand_rows(const saltus_work *w, int from, int to, int packs
         expand_frame(make_frame(w, terms, packs, block, w->columns, 0, w->hold.count), w, from, to);
 }
 
-KERNEL_INLINE void expand_directions(const saltus_work *w, int from, int to, int packs, int block) {
-    expand_frame(make_frame(w, w->loaded.terms, packs, block, w->columns, w->directions, w->hold.count), w,
-                 from, to);
+KERNEL_INLINE void expand_directions(const saltus_work *w, int from, int to, int packs, int block,
+                                     unsigned terms) {
+    expand_frame(make_frame(w, terms, packs, block, w->columns, w->directions, w->hold.count), w, from, to);
 }
 
 static void expand_any(const saltus_work *w, int from, int to) {
@@ -431,7 +459,7 @@ static void expand_any(const saltus_work *w, int from, int to) {
         f.single = true;
         expand_frame(f, w, 0, 1);
     } else if (w->directions)
-        expand_directions(w, from, to, packs, 1);
+        expand_directions(w, from, to, packs, 1, w->loaded.terms);
     else
         expand_frame(make_frame(w, w->loaded.terms, packs, block, w->columns, 0, w->hold.count), w, from, to);
 }
@@ -442,12 +470,13 @@ static void expand_any(const saltus_work *w, int from, int to) {
             statement(16)
 #define EXPAND_ROWS(n)                                                                                       \
     static void expand_##n(const saltus_work *w, int from, int to) {                                         \
-        if (n <= model_rows_common && !w->directions && w->loaded.terms == model_common_terms(n))            \
+        const bool common = n <= model_rows_common && w->loaded.terms == model_common_terms(n);              \
+        if (common && !w->directions)                                                                        \
             expand_rows(w, from, to, n, model_common_terms(n));                                              \
-        else if (n <= model_rows_plain && !w->directions)                                                    \
-            expand_rows(w, from, to, n, w->loaded.terms);                                                    \
+        else if (common && n <= model_rows_varied)                                                           \
+            expand_directions(w, from, to, n, row_block(n), model_common_terms(n));                          \
         else if (n <= model_rows_plain)                                                                      \
-            expand_directions(w, from, to, n, row_block(n));                                                 \
+            expand_directions(w, from, to, n, row_block(n), w->loaded.terms);                                \
         else                                                                                                 \
             expand_any(w, from, to);                                                                         \
     }
@@ -474,7 +503,7 @@ KERNEL_INLINE void expand_straight(const saltus_work *w, int to, int dof, saltus
     for (int k = 0; k < orders_alone; k++) {
         if (k == to)
             break;
-        expand_order(f, k, 0);
+        expand_order(f, k, 0, 1);
     }
     gap_series(f, w, 0, to);
 }

@@ -44,7 +44,7 @@ saltus_status saltus_ensemble_open(saltus_ensemble *e, const saltus_system *syst
                            .n = saltus_system_dimension(system),
                            .members = options->members,
                            .room = room,
-                           .width = saltus_flow_width(system, options->flow.integrator)};
+                           .width = saltus_flow_width(system, options->flow.integrator, options->members)};
     const size_t places = (size_t)e->members * (size_t)room;
     e->columns = options->exponents ? options->exponents : e->n;
     e->table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);

@@ -182,7 +182,8 @@ long long saltus_contact_watch(const saltus_system *system, long long measured) 
 saltus_status saltus_motion_meets_contact(const saltus_system *system, const saltus_flow_options *options,
                                           const double *const *states, int count, long long measured,
                                           double *state, bool *found, saltus_message *message) {
-    const int width = saltus_flow_width(system, options->integrator), n = saltus_system_dimension(system);
+    const int width = saltus_flow_width(system, options->integrator, count),
+              n = saltus_system_dimension(system);
     const saltus_system *systems[SALTUS_PACK_MAX];
     /* The earliest contact: in which trajectory, and when; `state` is the section point after it. */
     int first = -1;

@@ -5,6 +5,7 @@
 
 #include "system/system.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -85,7 +86,7 @@ static saltus_status check_point(saltus_sweep *sweep, long long point, saltus_in
     saltus_status status = saltus_sweep_system(sweep, point, &system, message);
     if (status != SALTUS_OK)
         return status;
-    if (system->stiffness_ratio > 1 && saltus_flow_width(system, SALTUS_AUTOMATIC) == 1)
+    if (system->stiffness_ratio > 1 && saltus_flow_width(system, SALTUS_AUTOMATIC, LLONG_MAX) == 1)
         *fitting = SALTUS_MIXED;
     else if (system->stiffness_ratio > 1 && *fitting == SALTUS_AUTOMATIC)
         *fitting = SALTUS_TAYLOR;

@@ -80,6 +80,7 @@ typedef struct lane_set {
 typedef struct worker {
     const saltus_sweep *sweep;
     schedule *schedule;
+    long long share; /* of the sweep's trajectories, if each worker takes as many */
     saltus_job *job; /* the task whose seeds are being handed out */
     lane_set plain, tangent;
     saltus_flow *single[2]; /* flows of one lane, without and with a tangent vector; made when needed */
@@ -108,7 +109,7 @@ static bool open_flow(const worker *w, int lanes, int columns, saltus_flow **flo
 static bool open_worker(worker *w) {
     const saltus_sweep_options *o = &w->sweep->options;
     const bool measures = o->keep & SALTUS_KEEP_LYAPUNOV;
-    const int width = saltus_flow_width(w->sweep->system, o->flow.integrator);
+    const int width = saltus_flow_width(w->sweep->system, o->flow.integrator, w->share);
     w->plain.lanes = o->lanes > 0 && o->lanes < width ? o->lanes : width;
     w->tangent.lanes = measures ? w->plain.lanes : 0;
     w->size = w->plain.lanes + w->tangent.lanes;
@@ -368,7 +369,7 @@ static bool is_tangents_turn(const worker *w) {
     return tangent->live > 0 && (waits || plain->live == 0 || tangent->live == tangent->lanes);
 }
 
-static void run_worker(const saltus_sweep *sweep, schedule *schedule) {
+static void run_worker(const saltus_sweep *sweep, schedule *schedule, int workers) {
     worker *w = calloc(1, sizeof *w);
     if (!w) {
         end_run(schedule, SALTUS_NO_MEMORY, "no memory for the trajectories of a sweep");
@@ -376,6 +377,7 @@ static void run_worker(const saltus_sweep *sweep, schedule *schedule) {
     }
     w->sweep = sweep;
     w->schedule = schedule;
+    w->share = (schedule->tasks * sweep->options.seeds + workers - 1) / workers;
     bool sound = open_worker(w);
     for (int l = 0; l < w->plain.lanes && sound; l++)
         fill_lane(w, l);
@@ -397,14 +399,15 @@ saltus_status saltus_sweep_run(const saltus_sweep *sweep, const saltus_sweep_fee
                   .stop = sweep->options.flow.stop,
                   .message = message ? message : &own};
     pthread_mutex_init(&s.lock, NULL);
+    int threads = 1;
 #ifdef _OPENMP
     const int wanted = sweep->options.threads > 0 ? sweep->options.threads : omp_get_max_threads();
     /* At most one thread for each task, and not so many that they only compete for the cores. */
     const int crowd = 16 * omp_get_num_procs(), useful = wanted < crowd ? wanted : crowd;
-    const int threads = s.tasks < useful ? (int)(s.tasks > 0 ? s.tasks : 1) : useful;
+    threads = s.tasks < useful ? (int)(s.tasks > 0 ? s.tasks : 1) : useful;
 #pragma omp parallel num_threads(threads)
 #endif
-    run_worker(sweep, &s);
+    run_worker(sweep, &s, threads);
     pthread_mutex_destroy(&s.lock);
     return (saltus_status)s.status;
 }

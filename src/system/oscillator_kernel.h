@@ -8,12 +8,12 @@
 #define MODEL_NAME "oscillator"
 
 /* The model has so few operations that loops specialised for certain terms gain nothing. */
-enum { model_rows_common = 0, model_rows_plain = SALTUS_WIDE ? 2 : 1 };
+enum { model_rows_common = 0, model_rows_varied = 0, model_rows_plain = SALTUS_WIDE ? 2 : 1 };
 #define model_common_terms(rows) 0u
 
 enum { drive_force, model_drives };
 enum { table_force, model_tables };
-enum { model_series_count, model_rows_ahead = 0, model_columns_apart = true };
+enum { model_series_count, model_rows_ahead = 0, model_columns_apart = true, model_abreast = 1 };
 enum { vary_cosine, model_vary_drives }; /* derivative of cos(omega t + phase) */
 
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {
@@ -76,7 +76,8 @@ KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, sa
 }
 
 /* Coefficient k + 1 of q' and of the Maxwell force, for the trajectory (c = 0) or a tangent vector. */
-KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pack *next) {
+KERNEL_INLINE void model_order(frame f, int k, int c, const int abreast, double inverse, saltus_pack *next) {
+    (void)abreast;
     const saltus_pack *q = JET(f.q, k, c), *velocity = JET(f.v, k, c);
     const saltus_pack *column[] = {ROW(oscillator_k1), ROW(oscillator_c1), ROW(oscillator_k2),
                                    ROW(oscillator_c2)};

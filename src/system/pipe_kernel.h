@@ -15,11 +15,13 @@
 
 #define MODEL_NAME "pipe"
 
-/* Systems of up to this many rows have loops of their own: with the terms that most have, or with any. */
+/* Systems of up to this many rows have loops of their own: with the terms that most have, without and with
+ * parameter columns, or with any. */
 enum {
     model_rows_common = SALTUS_WIDE        ? 16
                         : SALTUS_PACK == 4 ? 2
                                            : 4,
+    model_rows_varied = SALTUS_WIDE ? 0 : 2,
     model_rows_plain = SALTUS_WIDE ? 0 : 2
 };
 KERNEL_INLINE unsigned model_common_terms(int rows) {
@@ -41,7 +43,7 @@ KERNEL_INLINE unsigned model_alone_terms(int modes) {
 enum { drive_velocity, drive_gradient, drive_tension, model_drives };
 enum { table_velocity, table_gradient, table_tension, table_tension2, model_tables };
 enum { series_square, series_tension, model_series_count };
-enum { model_columns_apart = true };
+enum { model_columns_apart = true, model_abreast = ROW_BLOCK_MAX < 4 ? ROW_BLOCK_MAX : 4 };
 enum { vary_velocity, vary_gradient, vary_tension, vary_all_tension, model_vary_drives };
 enum {
     ahead_resting, /* sums begun for the next order */
@@ -93,6 +95,9 @@ KERNEL_INLINE void model_forcing(frame f, int order, lane_t sine, lane_t cosine)
     *DRIVE(drive_velocity, 0) += 2.0 * *root_beta * *u0;
     *DRIVE(drive_tension, 0) -= *u0 * *u0 * (1.0 + 0.5 * *sigma * *sigma);
 }
+
+/* Pack p of a row that columns side by side have in common. */
+#define COMMON(row, p) ((row)[abreast == 1 ? (p) : (p) % f.packs])
 
 /* Before the first order: lambda^2 q_0, and coefficient 0 of S or of its derivative in a tangent vector. */
 KERNEL_INLINE void model_start(frame f, int c) {
@@ -156,7 +161,8 @@ KERNEL_INLINE void model_square(frame f, int k, int first, const int count, mode
 }
 
 /* The same for a tangent vector: the sum over m = 1 .. k of q_m delta_{k+1-m}. */
-KERNEL_INLINE void model_mixed(frame f, int k, int c, int first, const int count, model_pair *inner) {
+KERNEL_INLINE void model_mixed(frame f, int k, int c, const int abreast, int first, const int count,
+                               model_pair *inner) {
     const saltus_pack *own = &JET(f.q, k + 1, c)[first], *q = &JET(f.q, 1, 0)[first];
     saltus_pack now[ROW_BLOCK_MAX], next[ROW_BLOCK_MAX], above[ROW_BLOCK_MAX];
     for (int p = 0; p < count; p++) {
@@ -166,7 +172,7 @@ KERNEL_INLINE void model_mixed(frame f, int k, int c, int first, const int count
     for (int m = 1; m <= k; m++, q += ORDER_STRIDE) {
         own -= ORDER_STRIDE;
         for (int p = 0; p < count; p++) {
-            const saltus_pack coefficient = q[p];
+            const saltus_pack coefficient = COMMON(q, p);
             next[p] = saltus_pack_fma(coefficient, above[p], next[p]);
             above[p] = own[p];
             now[p] = saltus_pack_fma(coefficient, above[p], now[p]);
@@ -174,7 +180,7 @@ KERNEL_INLINE void model_mixed(frame f, int k, int c, int first, const int count
     }
     for (int p = 0; p < count; p++) {
         inner->now[first + p] = now[p];
-        inner->next[first + p] = saltus_pack_fma(q[p], above[p], next[p]);
+        inner->next[first + p] = saltus_pack_fma(COMMON(q, p), above[p], next[p]);
     }
 }
 
@@ -194,8 +200,8 @@ KERNEL_INLINE void model_moving(frame f, int k, int c, int first, const int coun
 }
 
 /* W and sqrt(beta) u' times q, the stiffness added to W_0. model_order adds W's last two coefficients. */
-KERNEL_INLINE void model_resting(frame f, int k, int c, int first, const int count, model_pair *pull,
-                                 model_pair *slope) {
+KERNEL_INLINE void model_resting(frame f, int k, int c, const int abreast, int first, const int count,
+                                 model_pair *pull, model_pair *slope) {
     const bool cubic = f.terms & SALTUS_TERM_CUBIC;
     const lane_t *tension = cubic ? SERIES(series_tension, 0, 0) : DRIVE(drive_tension, 0);
     const lane_t *gradient = DRIVE(drive_gradient, 0);
@@ -228,7 +234,7 @@ KERNEL_INLINE void model_resting(frame f, int k, int c, int first, const int cou
     }
     const saltus_pack mildest = lane_spread(gradient[0]);
     for (int p = 0; p < count; p++) {
-        const saltus_pack coefficient = q[p], newest = q[p + ORDER_STRIDE], own = stiff[p];
+        const saltus_pack coefficient = q[p], newest = q[p + ORDER_STRIDE], own = COMMON(stiff, p);
         if (k > 0)
             t_next[p] = saltus_pack_fma(later, coefficient, t_next[p]);
         g_next[p] = saltus_pack_fma(steeper, coefficient, g_next[p]);
@@ -240,45 +246,57 @@ KERNEL_INLINE void model_resting(frame f, int k, int c, int first, const int cou
 }
 
 /* Extra term of a tangent vector: its own W times the trajectory, without the last two coefficients of W. */
-KERNEL_INLINE void model_tangent(frame f, int k, int c, int first, const int count, model_pair *pull) {
-    const lane_t *own = SERIES(series_tension, 0, c);
-    saltus_pack now[ROW_BLOCK_MAX], next[ROW_BLOCK_MAX];
+KERNEL_INLINE void model_tangent(frame f, int k, int c, const int abreast, int first, const int count,
+                                 model_pair *pull) {
+    const lane_t *own[ROW_BLOCK_MAX];
+    const saltus_pack *q = &JET(f.q, 2, 0)[first];
+    saltus_pack now[ROW_BLOCK_MAX], next[ROW_BLOCK_MAX], later[ROW_BLOCK_MAX];
     for (int p = 0; p < count; p++) {
+        own[p] = SERIES(series_tension, 0, abreast == 1 ? c : c + p / f.packs);
         now[p] = pull->now[first + p];
         next[p] = pull->next[first + p];
+        later[p] = lane_spread(own[p][k - 1]);
     }
-    const saltus_pack *q = model_convolve(f, own, k - 2, 0, &JET(f.q, 2, 0)[first], count, now, next);
+    for (int m = k - 2; m >= 0; m--, q += ORDER_STRIDE)
+        for (int p = 0; p < count; p++) {
+            const saltus_pack number = lane_spread(own[p][m]), coefficient = COMMON(q, p);
+            now[p] = saltus_pack_fma(number, coefficient, now[p]);
+            next[p] = saltus_pack_fma(later[p], coefficient, next[p]);
+            later[p] = number;
+        }
     for (int p = 0; p < count; p++) {
         pull->now[first + p] = now[p];
-        pull->next[first + p] = saltus_pack_fma(lane_spread(own[0]), q[p], next[p]);
+        pull->next[first + p] = saltus_pack_fma(later[p], COMMON(q, p), next[p]);
     }
 }
 
 /* All these sums at an even order; those of the next order are stored in AHEAD. */
-KERNEL_INLINE void model_two(frame f, int k, int c, model_pair *resting, model_pair *moving,
-                             model_pair *inner) {
+KERNEL_INLINE void model_two(frame f, int k, int c, const int abreast, model_pair *resting,
+                             model_pair *moving, model_pair *inner) {
     const bool cubic = f.terms & SALTUS_TERM_CUBIC, coupled = f.terms & SALTUS_TERM_COUPLED;
     const bool forced = f.terms & SALTUS_TERM_FORCED;
+    const frame rows = side_by_side(f, abreast);
     model_pair slope;
-    FOR_ROW_BLOCKS(f, first, count, model_resting(f, k, c, first, count, resting, &slope));
+    FOR_ROW_BLOCKS(rows, first, count, model_resting(f, k, c, abreast, first, count, resting, &slope));
     if (cubic && c > 0 && k > 0)
-        FOR_ROW_BLOCKS(f, first, count, model_tangent(f, k, c, first, count, resting));
-    for (int p = 0; p < f.packs; p++) {
-        resting->now[p] *= ROW(pipe_lambda2)[p];
-        resting->next[p] *= ROW(pipe_lambda2)[p];
+        FOR_ROW_BLOCKS(rows, first, count, model_tangent(f, k, c, abreast, first, count, resting));
+    for (int p = 0; p < rows.packs; p++) {
+        resting->now[p] *= COMMON(ROW(pipe_lambda2), p);
+        resting->next[p] *= COMMON(ROW(pipe_lambda2), p);
     }
     if (coupled && forced)
-        row_couple_two(resting->now, f.single ? NULL : resting->next, f.loaded.coupling[pipe_gradient],
-                       slope.now, slope.next, f.dof, f.packs);
-    FOR_ROW_BLOCKS(f, first, count, model_moving(f, k, c, first, count, moving));
+        for (int p = 0; p < rows.packs; p += f.packs)
+            row_couple_two(&resting->now[p], f.single ? NULL : &resting->next[p],
+                           f.loaded.coupling[pipe_gradient], &slope.now[p], &slope.next[p], f.dof, f.packs);
+    FOR_ROW_BLOCKS(rows, first, count, model_moving(f, k, c, first, count, moving));
     if (cubic && c > 0)
-        FOR_ROW_BLOCKS(f, first, count, model_mixed(f, k, c, first, count, inner));
+        FOR_ROW_BLOCKS(rows, first, count, model_mixed(f, k, c, abreast, first, count, inner));
     else if (cubic)
-        FOR_ROW_BLOCKS(f, first, count, model_square(f, k, first, count, inner));
+        FOR_ROW_BLOCKS(rows, first, count, model_square(f, k, first, count, inner));
     else
-        for (int p = 0; p < f.packs; p++)
+        for (int p = 0; p < rows.packs; p++)
             inner->now[p] = (saltus_pack){0};
-    for (int p = 0; p < f.packs && !f.single; p++) {
+    for (int p = 0; p < rows.packs && !f.single; p++) {
         AHEAD(ahead_resting, c)[p] = resting->next[p];
         AHEAD(ahead_moving, c)[p] = moving->next[p];
         if (cubic)
@@ -286,82 +304,91 @@ KERNEL_INLINE void model_two(frame f, int k, int c, model_pair *resting, model_p
     }
 }
 
-/* W_k = (u part) + kappa (S_k + alpha (k + 1) S_{k+1}), divided by k + 1 and spread over a pack. */
-KERNEL_INLINE saltus_pack model_tension(frame f, int k, int c, double inverse, saltus_pack *inner) {
+/* W_k = (u part) + kappa (S_k + alpha (k + 1) S_{k+1}), divided by k + 1 and spread over a pack, for each of
+ * the columns side by side. */
+KERNEL_INLINE void model_tension(frame f, int k, int c, const int abreast, double inverse, saltus_pack *inner,
+                                 saltus_pack *last) {
     const saltus_pack *newest = JET(f.q, k + 1, c);
     const saltus_pack kappa = lane_spread(*SCALAR(pipe_kappa)),
                       damping = kappa * lane_spread(*SCALAR(pipe_alpha));
-    for (int p = 0; p < f.packs; p++) {
-        inner[p] = saltus_pack_fma(AHEAD(ahead_start, 0)[p], newest[p], ROW(pipe_lambda2)[p] * inner[p]);
+    for (int p = 0; p < f.packs * abreast; p++) {
+        inner[p] = saltus_pack_fma(COMMON(AHEAD(ahead_start, 0), p), newest[p],
+                                   COMMON(ROW(pipe_lambda2), p) * inner[p]);
         if (c > 0)
-            inner[p] = saltus_pack_fma(AHEAD(ahead_start, c)[p], JET(f.q, k + 1, 0)[p], inner[p]);
+            inner[p] = saltus_pack_fma(AHEAD(ahead_start, c)[p], COMMON(JET(f.q, k + 1, 0), p), inner[p]);
     }
-    saltus_pack known = kappa * lane_spread(*SERIES(series_square, k, c));
-    if (c == 0)
-        known += lane_spread(*DRIVE(drive_tension, k));
-    const saltus_pack next = row_sum(inner, f.dof, f.packs),
-                      tension = saltus_pack_fma(damping * (k + 1.0), next, known);
-    *SERIES(series_square, k + 1, c) = lane_of(next);
-    *SERIES(series_tension, k, c) = lane_of(tension);
-    return saltus_pack_fma(damping, next, known * inverse);
+    for (int j = 0; j < abreast; j++) {
+        saltus_pack known = kappa * lane_spread(*SERIES(series_square, k, c + j));
+        if (c == 0)
+            known += lane_spread(*DRIVE(drive_tension, k));
+        const saltus_pack next = row_sum(inner + j * f.packs, f.dof, f.packs),
+                          tension = saltus_pack_fma(damping * (k + 1.0), next, known);
+        *SERIES(series_square, k + 1, c + j) = lane_of(next);
+        *SERIES(series_tension, k, c + j) = lane_of(tension);
+        last[j] = saltus_pack_fma(damping, next, known * inverse);
+    }
 }
 
 /* The terms with W's last two coefficients, but for the trajectory's last one; in a tangent vector also those
  * of the trajectory's W. */
-KERNEL_INLINE void model_pull(frame f, int k, int c, double inverse, saltus_pack *pull) {
+KERNEL_INLINE void model_pull(frame f, int k, int c, const int abreast, double inverse, saltus_pack *pull) {
     const bool cubic = f.terms & SALTUS_TERM_CUBIC;
     const lane_t *tension = cubic ? SERIES(series_tension, 0, 0) : DRIVE(drive_tension, 0);
-    for (int p = 0; p < f.packs; p++)
+    const int packs = f.packs * abreast;
+    for (int p = 0; p < packs; p++)
         pull[p] = (saltus_pack){0};
     if (k > 0) {
         const saltus_pack before = lane_spread(tension[k - 1]) * inverse;
-        for (int p = 0; p < f.packs; p++)
+        for (int p = 0; p < packs; p++)
             pull[p] = before * AHEAD(ahead_second, c)[p];
     }
     if (c > 0 || !cubic) {
         const saltus_pack now = lane_spread(tension[k]) * inverse;
-        for (int p = 0; p < f.packs; p++)
+        for (int p = 0; p < packs; p++)
             pull[p] = saltus_pack_fma(now, AHEAD(ahead_start, c)[p], pull[p]);
     }
-    if (k > 0 && c > 0 && cubic) {
-        const saltus_pack before = lane_spread(*SERIES(series_tension, k - 1, c)) * inverse;
+    for (int j = 0; j < abreast && k > 0 && c > 0 && cubic; j++) {
+        const saltus_pack before = lane_spread(*SERIES(series_tension, k - 1, c + j)) * inverse;
         for (int p = 0; p < f.packs; p++)
-            pull[p] = saltus_pack_fma(before, AHEAD(ahead_second, 0)[p], pull[p]);
+            pull[j * f.packs + p] = saltus_pack_fma(before, AHEAD(ahead_second, 0)[p], pull[j * f.packs + p]);
     }
 }
 
-/* v_{k+1} = (coefficient k of q'') / (k + 1) for the trajectory (c = 0) or a tangent vector. */
-KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pack *next) {
+/* v_{k+1} = (coefficient k of q'') / (k + 1) for the trajectory (c = 0) or tangent vectors side by side. */
+KERNEL_INLINE void model_order(frame f, int k, int c, const int abreast, double inverse, saltus_pack *next) {
     const saltus_pack *velocity = JET(f.v, k, c);
     const bool cubic = f.terms & SALTUS_TERM_CUBIC, coupled = f.terms & SALTUS_TERM_COUPLED;
     const saltus_pack steady = lane_spread(*DRIVE(drive_velocity, 0));
+    const int packs = f.packs * abreast;
     model_pair resting, moving, inner;
-    saltus_pack last = {0};
+    saltus_pack last[model_abreast] = {{0}};
     if (k % 2 == 0)
-        model_two(f, k, c, &resting, &moving, &inner);
+        model_two(f, k, c, abreast, &resting, &moving, &inner);
     else
-        for (int p = 0; p < f.packs; p++) {
+        for (int p = 0; p < packs; p++) {
             resting.now[p] = AHEAD(ahead_resting, c)[p];
             moving.now[p] = AHEAD(ahead_moving, c)[p];
             inner.now[p] = AHEAD(ahead_square, c)[p];
         }
-    for (int p = 0; p < f.packs; p++) {
-        next[p] = saltus_pack_fma(ROW(pipe_damping)[p], velocity[p], resting.now[p]);
+    for (int p = 0; p < packs; p++) {
+        next[p] = saltus_pack_fma(COMMON(ROW(pipe_damping), p), velocity[p], resting.now[p]);
         moving.now[p] = saltus_pack_fma(steady, velocity[p], moving.now[p]);
     }
     if (coupled)
-        row_couple(next, f.loaded.coupling[pipe_gyroscopic], moving.now, f.dof, f.packs);
+        for (int p = 0; p < packs; p += f.packs)
+            row_couple(&next[p], f.loaded.coupling[pipe_gyroscopic], &moving.now[p], f.dof, f.packs);
     if (k == 0)
-        for (int p = 0; p < f.packs; p++)
-            AHEAD(ahead_second, c)[p] = ROW(pipe_lambda2)[p] * JET(f.q, 1, c)[p];
+        for (int p = 0; p < packs; p++)
+            AHEAD(ahead_second, c)[p] = COMMON(ROW(pipe_lambda2), p) * JET(f.q, 1, c)[p];
     if (cubic)
-        last = model_tension(f, k, c, inverse, inner.now);
+        model_tension(f, k, c, abreast, inverse, inner.now, last);
     saltus_pack pull[ROW_PACKS_MAX];
-    model_pull(f, k, c, inverse, pull);
-    for (int p = 0; p < f.packs; p++) {
+    model_pull(f, k, c, abreast, inverse, pull);
+    for (int p = 0; p < packs; p++) {
         next[p] = saltus_pack_fma(saltus_pack_splat(-inverse), next[p], -pull[p]);
         if (cubic)
-            next[p] = saltus_pack_fnma(last, AHEAD(ahead_start, 0)[p], next[p]);
+            next[p] = saltus_pack_fnma(last[abreast == 1 ? 0 : p / f.packs], COMMON(AHEAD(ahead_start, 0), p),
+                                       next[p]);
     }
     if (k == 0 && c == 0) {
         const saltus_pack tension =
@@ -428,18 +455,19 @@ KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, sa
     model_vary_tension(f, k, d);
     for (int p = 0; p < f.packs; p++) {
         const saltus_pack *q = &JET(f.q, k, 0)[p], *v = &JET(f.v, k, 0)[p];
-        saltus_pack tension = {0};
-        resting[p] = moving[p] = tension;
-        for (int m = 0; m <= last; m++)
-            tension = saltus_pack_fma(lane_spread(*VARY_DRIVE(d, vary_all_tension, m)), q[-m * ORDER_STRIDE],
-                                      tension);
-        for (int m = 0; m <= forced; m++) {
-            resting[p] = saltus_pack_fma(lane_spread(*VARY_DRIVE(d, vary_gradient, m)), q[-m * ORDER_STRIDE],
-                                         resting[p]);
-            moving[p] = saltus_pack_fma(lane_spread(*VARY_DRIVE(d, vary_velocity, m)), v[-m * ORDER_STRIDE],
-                                        moving[p]);
+        const saltus_pack newest = v[0];
+        saltus_pack tension = {0}, rest = {0}, motion = {0};
+        int m = 0;
+        for (; m <= forced; m++, q -= ORDER_STRIDE, v -= ORDER_STRIDE) {
+            tension = saltus_pack_fma(lane_spread(*VARY_DRIVE(d, vary_all_tension, m)), *q, tension);
+            rest = saltus_pack_fma(lane_spread(*VARY_DRIVE(d, vary_gradient, m)), *q, rest);
+            motion = saltus_pack_fma(lane_spread(*VARY_DRIVE(d, vary_velocity, m)), *v, motion);
         }
-        source[p] = ROW(pipe_lambda2)[p] * tension + VARY_ROW(d, pipe_damping)[p] * v[0];
+        for (; m <= last; m++, q -= ORDER_STRIDE)
+            tension = saltus_pack_fma(lane_spread(*VARY_DRIVE(d, vary_all_tension, m)), *q, tension);
+        resting[p] = rest;
+        moving[p] = motion;
+        source[p] = ROW(pipe_lambda2)[p] * tension + VARY_ROW(d, pipe_damping)[p] * newest;
     }
     row_couple(source, f.loaded.coupling[pipe_gradient], resting, f.dof, f.packs);
     row_couple(source, f.loaded.coupling[pipe_gyroscopic], moving, f.dof, f.packs);

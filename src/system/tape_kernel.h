@@ -24,7 +24,7 @@ SALTUS_FIXED_TAPE
 #define PASSING(operand) false
 #endif
 
-enum { model_rows_common = 0, model_rows_plain = 2 };
+enum { model_rows_common = 0, model_rows_varied = 0, model_rows_plain = 2 };
 #define model_common_terms(rows) 0u
 
 enum {
@@ -33,7 +33,8 @@ enum {
     model_tables = 0,
     model_vary_drives = 0,
     model_rows_ahead = 0,
-    model_columns_apart = false
+    model_columns_apart = false,
+    model_abreast = 1
 };
 
 /* The forcing is on the tape, and parameter columns are tangent vectors for which the weights vary, too. */
@@ -770,7 +771,8 @@ KERNEL_INLINE void model_start(frame f, int c) {
 
 /* Coefficient k + 1 of q' and of the extra states, for the trajectory (c = 0) or a tangent vector. The states
  * of all columns are known up to order k by the trajectory's turn, which computes all columns' rows. */
-KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pack *next) {
+KERNEL_INLINE void model_order(frame f, int k, int c, const int abreast, double inverse, saltus_pack *next) {
+    (void)abreast;
     const player m = make_player(f);
     const saltus_tape *tape = m.tape;
     const unsigned changes = changes_of(&m, c);

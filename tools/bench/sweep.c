@@ -22,6 +22,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -108,7 +109,7 @@ static void calibrate(sweep *s, bool rivals) {
     enum { own = sizeof orders / sizeof *orders };
     program list[own + rows_max];
     char names[own][32];
-    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC);
+    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC, LLONG_MAX);
     for (int k = 0; k < own; k++) {
         snprintf(names[k], sizeof names[k], orders[k] ? "Saltus, order %d" : "Saltus, automatic", orders[k]);
         list[k] = (program){names[k], program_flow, .lanes = lanes, .order = orders[k]};
@@ -129,7 +130,7 @@ static void calibrate(sweep *s, bool rivals) {
 /* Compare every count of impacts at the benchmark's tolerance with runs whose steps are too short to miss an
  * impact. */
 static bool check(sweep *s) {
-    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC);
+    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC, LLONG_MAX);
     const program capped = {.rtol = exact, .lanes = lanes, .step_max = capped_step};
     program list[] = {{"flow", program_flow, OWN_TOLERANCE, .lanes = lanes}, engines[0]};
     const bool all = s->count == omegas_max;
@@ -182,7 +183,7 @@ static void table_of_programs(sweep *s, bool rivals, int lanes, const row *flows
 }
 
 static void compare(sweep *s, bool rivals) {
-    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC), flows = 3;
+    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC, LLONG_MAX), flows = 3;
     program list[2 * rows_max] = {
         {"Saltus flow, all lanes", program_flow, OWN_TOLERANCE, .lanes = lanes},
         {"Saltus flow, one lane", program_flow, OWN_TOLERANCE, .lanes = 1},

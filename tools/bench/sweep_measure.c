@@ -4,6 +4,7 @@
 
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -38,8 +39,9 @@ void sweep_tear_down(sweep *s) {
 }
 
 void sweep_make_reference(sweep *s) {
-    program tight = {
-        .lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC), .rtol = exact, .strobe = true};
+    program tight = {.lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC, LLONG_MAX),
+                     .rtol = exact,
+                     .strobe = true};
     for (int k = 0; k < 2 * s->count; k++) {
         motion *m = k < s->count ? &s->reference[k] : &s->found[k - s->count];
         m->strobe = must_allocate(recorded_periods + 1, sizeof *m->strobe);

@@ -13,6 +13,7 @@
 
 #include "flow/flow.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -121,7 +122,7 @@ static void check(saltus_flow *flow, const saltus_system *system, int lanes, dou
 static void compare(const problem *p, bool stops) {
     static const struct timespec tenth = {.tv_nsec = 100000000};
     saltus_system *own = build(p->built_in, p->name, stops), *text = build(p->text, p->name, stops);
-    const int all = saltus_flow_width(own, SALTUS_AUTOMATIC), n = saltus_system_dimension(own);
+    const int all = saltus_flow_width(own, SALTUS_AUTOMATIC, LLONG_MAX), n = saltus_system_dimension(own);
     const int lanes[] = {1, 1, all}, columns[] = {0, n, 0};
     const double *scale = saltus_system_scale(own);
     double exact[dimension_max], state[dimension_max], error[way_count], cost[way_count];
