@@ -134,7 +134,7 @@ static void same_bits_at_any_size(void **unused) {
     const int stride = getenv("SALTUS_SANITIZED") ? 4 : 1; /* sanitizers are slow: three of them will do */
     long long impacts = 0;
     for (int k = 0; k < 9; k += stride)
-        for (int way = 0; way < 3; way++) {
+        for (int way = 0; way < 3 - k % 2; way++) {
             const int columns = way < 2 ? way : modes[k] + 1;
             saltus_flow_options options = saltus_flow_defaults();
             options.rtol = columns ? 1e-10 : 1e-7;

@@ -1017,7 +1017,8 @@ static void curves_of_grazing_join_those_of_a_third(void **unused) {
          1.61762,
          0.385312,
          {0.028949234814749796, 1.5107778352193575, 0.9562487131592474, 0.0014626424361016239}}};
-    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
+    /* The first one's curves are long. */
+    for (size_t row = long_version() ? 0 : 1; row < sizeof rows / sizeof rows[0]; row++) {
         branch_record record[2];
         saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
         follow_twice(&rows[row], 3, &options, step_max, record);
