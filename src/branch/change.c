@@ -70,24 +70,19 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
 
 bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *doubled) {
     const double slow = 1e-5, close = 1e-4;
-    saltus_sequence less, kept = at->sequence;
+    bool gone[SALTUS_MARKS_MAX] = {false};
+    saltus_sequence less;
     int order[SALTUS_MARKS_MAX], ones = 0, both = 0;
-    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], *u = NULL;
+    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
     saltus_shooting *shooting = NULL;
     *doubled = false;
     if (at->sequence.omega > 0)
         return false;
-    for (int k = at->breach_count - 1; k >= 0; k--) {
-        saltus_breach gone = at->breaches[k];
-        if (gone.kind != SALTUS_BREACH_SPEED || !(fabs(gone.value) < slow))
-            continue;
-        gone.value = 0;
-        saltus_sequence_graze(&kept, &gone, 1, &less, order);
-        kept = less;
-    }
-    saltus_status status = saltus_orbits_shoot(o, &kept, at->parameter, at->state, &shooting, &u, NULL);
-    if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, NULL);
+    for (int k = 0; k < at->breach_count; k++)
+        if (at->breaches[k].kind == SALTUS_BREACH_SPEED && fabs(at->breaches[k].value) < slow)
+            gone[at->breaches[k].mark] = true;
+    saltus_sequence_without(&at->sequence, gone, &less, order);
+    saltus_status status = saltus_orbits_evaluate(o, &less, at->parameter, at->state, &shooting, NULL);
     const int count = status == SALTUS_OK ? saltus_corner_multipliers(shooting, o->n, re, im) : 0;
     for (int k = 0; k < count; k++) {
         ones += hypot(re[k] - 1, im[k]) < close;
@@ -96,7 +91,6 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *
     *doubled = both > 1;
     saltus_orbits_noted(o, count < 0 ? SALTUS_NO_MEMORY : status);
     saltus_shooting_free(shooting);
-    free(u);
     return ones > 1;
 }
 

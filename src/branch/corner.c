@@ -284,21 +284,13 @@ bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b
  * marks stood. */
 static saltus_sequence take_out(const saltus_extended *x, const saltus_solution *s,
                                 int order[SALTUS_MARKS_MAX]) {
-    saltus_sequence less, kept = s->sequence;
-    int moved[SALTUS_MARKS_MAX];
-    for (int k = 0; k < kept.count; k++)
-        order[k] = k;
-    for (int k = s->breach_count - 1; k >= 0; k--) {
-        saltus_breach gone = s->breaches[k];
-        if (gone.kind != SALTUS_BREACH_SPEED || !is_own(x, s, &gone))
-            continue;
-        gone.value = 0;
-        saltus_sequence_graze(&kept, &gone, 1, &less, moved);
-        for (int j = 0; j < less.count; j++)
-            order[j] = order[moved[j]];
-        kept = less;
-    }
-    return kept;
+    bool gone[SALTUS_MARKS_MAX] = {false};
+    saltus_sequence less;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
+            gone[s->breaches[k].mark] = true;
+    saltus_sequence_without(&s->sequence, gone, &less, order);
+    return less;
 }
 
 saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s) {
@@ -306,22 +298,8 @@ saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_sol
     return take_out(x, s, order);
 }
 
-/* Evaluate an orbit with another sequence by a separate shooting, which the caller frees in any case. */
-static saltus_status evaluate_as(const saltus_extended *x, const saltus_sequence *sequence,
-                                 const saltus_solution *s, saltus_shooting **shooting,
-                                 saltus_message *message) {
-    double *u = NULL;
-    *shooting = NULL;
-    saltus_status status =
-        saltus_orbits_shoot(&x->orbits, sequence, s->parameter, s->state, shooting, &u, message);
-    if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(saltus_shooting_equations(*shooting), u, message);
-    free(u);
-    return status;
-}
-
-/* The same for the sequence without the grazing impact, with the states at all cuts: along long orbits
- * perturbations grow too much for one segment. */
+/* Evaluate an orbit without the grazing impact by a separate shooting, which the caller frees in any case.
+ * The states at all cuts stay: along long orbits perturbations grow too much for one segment. */
 static saltus_status evaluate_without(const saltus_extended *x, const saltus_solution *s,
                                       saltus_shooting **shooting, saltus_message *message) {
     int order[SALTUS_MARKS_MAX];
@@ -332,13 +310,8 @@ static saltus_status evaluate_without(const saltus_extended *x, const saltus_sol
     if (status != SALTUS_OK)
         return status;
     saltus_equations *e = saltus_shooting_equations(*shooting);
-    double *u = calloc((size_t)e->unknowns, sizeof *u);
-    if (!u)
-        return saltus_branch_no_memory(message);
-    saltus_sequence_carry(&s->sequence, s->at.u, &less, order, x->orbits.n, 2, u);
-    status = saltus_equations_evaluate(e, u, message);
-    free(u);
-    return status;
+    saltus_sequence_carry(&s->sequence, s->at.u, &less, order, x->orbits.n, 2, e->trial);
+    return saltus_equations_evaluate(e, e->trial, message);
 }
 
 /* The six functions of an orbit on a curve of grazing, three with the grazing impact and three without; NAN
@@ -434,10 +407,11 @@ static saltus_status is_branch_point(const saltus_extended *x, const saltus_solu
                                      bool *branches, saltus_message *message) {
     const double across = 1e-8;
     saltus_sequence sequence = without ? saltus_corner_without(x, s) : s->sequence;
-    saltus_shooting *shooting;
+    saltus_shooting *shooting = NULL;
     double value, *a = NULL;
     *branches = false;
-    saltus_status status = evaluate_as(x, &sequence, s, &shooting, message);
+    saltus_status status =
+        saltus_orbits_evaluate(&x->orbits, &sequence, s->parameter, s->state, &shooting, message);
     if (status == SALTUS_OK) {
         const saltus_equations *e = saltus_shooting_equations(shooting);
         const int c = e->count, m = e->unknowns;

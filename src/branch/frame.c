@@ -12,7 +12,7 @@ saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *
                                        saltus_message *message) {
     saltus_sequence cut = s->sequence;
     saltus_shooting *shooting = NULL;
-    double *u = NULL;
+    double *u;
     if (time == cut.base) {
         memcpy(state, s->state, (size_t)o->n * sizeof *state);
         return SALTUS_OK;
@@ -25,7 +25,6 @@ saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
         state[i] = u[o->n + i] * saltus_shooting_scale(shooting)[i];
     saltus_shooting_free(shooting);
-    free(u);
     return saltus_orbits_noted(o, status);
 }
 

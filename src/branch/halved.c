@@ -11,7 +11,7 @@
 /* The search along a curve of flips, or of tori, of the shorter orbits. */
 typedef struct shorter {
     saltus_extended x;
-    double *u;              /* unknowns from which the curve is sought */
+    double *u;              /* unknowns from which the curve is sought, the shooting's */
     saltus_locus_point on;  /* its first point */
     saltus_curve_point at;  /* a point ahead of that */
     saltus_point_kind kind; /* the kind of point that is sought */
@@ -24,18 +24,14 @@ typedef struct shorter {
 /* Evaluate the orbit at s->at without its grazing impact by a separate shooting, which the caller frees. */
 static saltus_status evaluate_without(const shorter *s, saltus_shooting **shooting, saltus_message *message) {
     const saltus_orbits *o = &s->x.orbits;
-    const saltus_breach gone = {.kind = SALTUS_BREACH_SPEED, .mark = s->x.mark};
+    bool gone[SALTUS_MARKS_MAX] = {false};
     saltus_sequence sequence, less;
     int order[SALTUS_MARKS_MAX];
-    double state[SALTUS_STATE_MAX], *u = NULL;
+    double state[SALTUS_STATE_MAX];
     saltus_shooting_extract(o->shooting, s->at.u, &sequence, state);
-    saltus_sequence_graze(&sequence, &gone, 1, &less, order);
-    saltus_status status =
-        saltus_orbits_shoot(o, &less, s->at.u + o->equations->count, state, shooting, &u, message);
-    if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(saltus_shooting_equations(*shooting), u, message);
-    free(u);
-    return status;
+    gone[s->x.mark] = true;
+    saltus_sequence_without(&sequence, gone, &less, order);
+    return saltus_orbits_evaluate(o, &less, s->at.u + o->equations->count, state, shooting, message);
 }
 
 /* How near another impact is to grazing, too, at the orbit at s->at. */
@@ -231,7 +227,7 @@ static int find_mark(const saltus_sequence *once, saltus_mark *mark) {
 static bool go_through(saltus_extended *x, const shorter *s, const double *unknowns, saltus_locus_point *at) {
     saltus_sequence once, whole = at->orbit.sequence;
     saltus_shooting *shooting = NULL;
-    double state[SALTUS_STATE_MAX], *u = NULL;
+    double state[SALTUS_STATE_MAX], *u;
     saltus_shooting_extract(s->x.orbits.shooting, unknowns, &once, state);
     const bool all = whole.count == once.count * (whole.periods / once.periods);
     for (int k = 0; k < whole.count; k++)
@@ -246,7 +242,6 @@ static bool go_through(saltus_extended *x, const shorter *s, const double *unkno
         status = saltus_locus_see_orbit(x, at, NULL);
     }
     saltus_shooting_free(shooting);
-    free(u);
     return saltus_orbits_noted(&x->orbits, status) == SALTUS_OK;
 }
 
@@ -256,7 +251,6 @@ static void close_shorter(saltus_extended *x, shorter *s) {
     saltus_shooting_free(s->x.orbits.shooting);
     saltus_locus_point_clear(&s->on);
     saltus_curve_clear(&s->at);
-    free(s->u);
 }
 
 /* The impacts of all parts of an orbit in one: the sequence of an orbit of so much less period that has or

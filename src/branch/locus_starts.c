@@ -138,9 +138,10 @@ int saltus_locus_starts_grazing(saltus_orbits *o, const saltus_solution *at, con
 
 /* A sequence without one of its marks; returns the new index of another one. */
 static int without_mark(const saltus_sequence *old, int gone, int mark, saltus_sequence *fresh) {
-    const saltus_breach dead = {.kind = SALTUS_BREACH_SPEED, .mark = gone};
+    bool dead[SALTUS_MARKS_MAX] = {false};
     int order[SALTUS_MARKS_MAX];
-    saltus_sequence_graze(old, &dead, 1, fresh, order);
+    dead[gone] = true;
+    saltus_sequence_without(old, dead, fresh, order);
     return mark - (gone < mark);
 }
 

@@ -10,22 +10,26 @@
 /* Breaches this close to zero change together, as on orbits that are their own mirror images. */
 static const double together = 1e-7;
 
+void saltus_sequence_without(const saltus_sequence *old, const bool gone[SALTUS_MARKS_MAX],
+                             saltus_sequence *fresh, int *order) {
+    *fresh = *old;
+    fresh->count = 0;
+    for (int k = 0; k < old->count; k++)
+        if (!gone[k]) {
+            order[fresh->count] = k;
+            fresh->mark[fresh->count++] = old->mark[k];
+        }
+}
+
 const char *saltus_sequence_graze(const saltus_sequence *old, const saltus_breach *breaches, int count,
                                   saltus_sequence *fresh, int *order) {
     bool dies[SALTUS_MARKS_MAX] = {false};
-    int born = 0, dead = 0;
+    int born = 0;
     for (int k = 0; k < count; k++)
         if (breaches[k].kind == SALTUS_BREACH_SPEED && fabs(breaches[k].value) < together)
             dies[breaches[k].mark] = true;
-    *fresh = *old;
-    fresh->count = 0;
-    for (int k = 0; k < old->count; k++) {
-        dead += dies[k];
-        if (dies[k])
-            continue;
-        order[fresh->count] = k;
-        fresh->mark[fresh->count++] = old->mark[k];
-    }
+    saltus_sequence_without(old, dies, fresh, order);
+    const int dead = old->count - fresh->count;
     for (int k = 0; k < count; k++) {
         const saltus_breach *touch = &breaches[k];
         bool is_born = touch->kind == SALTUS_BREACH_GAP && fabs(touch->value) < together;

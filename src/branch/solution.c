@@ -231,7 +231,7 @@ static saltus_status walk_in_pieces(saltus_orbits *o, saltus_solution *s, saltus
     saltus_sequence pieces;
     saltus_lap lap = {.keeps_events = true};
     saltus_shooting *shooting = NULL;
-    double *u = NULL;
+    double *u;
     int order[SALTUS_MARKS_MAX];
     saltus_sequence_turn(&s->sequence, s->sequence.base, SALTUS_CUTS_MAX, &pieces, order);
     if (pieces.cuts <= s->sequence.cuts)
@@ -252,7 +252,6 @@ static saltus_status walk_in_pieces(saltus_orbits *o, saltus_solution *s, saltus
     }
     saltus_lap_close(&lap);
     saltus_shooting_free(shooting);
-    free(u);
     return status;
 }
 
@@ -343,15 +342,22 @@ saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltu
 saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_sequence *sequence,
                                   const double *parameters, const double *state, saltus_shooting **shooting,
                                   double **u, saltus_message *message) {
-    *u = NULL;
     saltus_status status = saltus_shooting_new(&o->family, &o->options, shooting, message);
     if (status == SALTUS_OK)
         status = saltus_shooting_shape(*shooting, sequence, message);
     if (status != SALTUS_OK)
         return status;
-    *u = calloc((size_t)saltus_shooting_equations(*shooting)->unknowns, sizeof **u);
-    return *u ? saltus_shooting_fill(*shooting, parameters, state, *u, message)
-              : saltus_branch_no_memory(message);
+    *u = saltus_shooting_equations(*shooting)->trial;
+    return saltus_shooting_fill(*shooting, parameters, state, *u, message);
+}
+
+saltus_status saltus_orbits_evaluate(const saltus_orbits *o, const saltus_sequence *sequence,
+                                     const double *parameters, const double *state,
+                                     saltus_shooting **shooting, saltus_message *message) {
+    double *u;
+    saltus_status status = saltus_orbits_shoot(o, sequence, parameters, state, shooting, &u, message);
+    return status == SALTUS_OK ? saltus_equations_evaluate(saltus_shooting_equations(*shooting), u, message)
+                               : status;
 }
 
 double saltus_solution_half_distance(saltus_orbits *o, const saltus_solution *s, bool mirrored) {
@@ -361,7 +367,7 @@ double saltus_solution_half_distance(saltus_orbits *o, const saltus_solution *s,
 double saltus_solution_part_distance(saltus_orbits *o, const saltus_solution *s, int parts, double *apart) {
     saltus_sequence cut = s->sequence;
     saltus_shooting *shooting = NULL;
-    double largest = INFINITY, *u = NULL;
+    double largest = INFINITY, *u;
     if (cut.periods % parts)
         return largest;
     cut.cuts = 2;
@@ -376,7 +382,6 @@ double saltus_solution_part_distance(saltus_orbits *o, const saltus_solution *s,
             apart[i] = own;
     }
     saltus_shooting_free(shooting);
-    free(u);
     return largest;
 }
 

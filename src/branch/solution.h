@@ -133,11 +133,16 @@ bool saltus_solution_refine(saltus_orbits *orbits, saltus_solution *solution, sa
  * stop. */
 bool saltus_solution_base_beyond(const saltus_orbits *orbits, const saltus_solution *solution);
 
-/* A separate shooting for a sequence, and its unknowns for a state at the base; orbits->shooting stays as it
- * is. The caller frees both in any case. Errors: those of the flow, SALTUS_NO_MEMORY. */
+/* A separate shooting for a sequence, which the caller frees in any case, and its unknowns for a state at the
+ * base, in its equations' `trial`; orbits->shooting stays as it is. Errors: those of the flow,
+ * SALTUS_NO_MEMORY. */
 saltus_status saltus_orbits_shoot(const saltus_orbits *orbits, const saltus_sequence *sequence,
                                   const double *parameters, const double *state, saltus_shooting **shooting,
                                   double **u, saltus_message *message);
+/* The same, and evaluate its equations there. */
+saltus_status saltus_orbits_evaluate(const saltus_orbits *orbits, const saltus_sequence *sequence,
+                                     const double *parameters, const double *state,
+                                     saltus_shooting **shooting, saltus_message *message);
 /* The scaled distance between an orbit's states half a period apart; INFINITY for an odd period. `mirrored`:
  * the distance of the second from the mirror image of the first. */
 double saltus_solution_half_distance(saltus_orbits *orbits, const saltus_solution *solution, bool mirrored);

@@ -61,7 +61,7 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     bool shift;
     const bool pitchfork = flips || saltus_system_mirror_symmetric(o->system, &shift);
     int order[SALTUS_MARKS_MAX];
-    double plane[2 * SALTUS_START_UNKNOWNS_MAX], values[2], old[SALTUS_START_UNKNOWNS_MAX], *u = NULL;
+    double plane[2 * SALTUS_START_UNKNOWNS_MAX], values[2], old[SALTUS_START_UNKNOWNS_MAX];
     saltus_shooting *shooting = NULL;
     saltus_branch_start start = *like;
     start.sequence = at->sequence;
@@ -70,13 +70,10 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "twice the orbit has more than %d events",
                            SALTUS_MARKS_MAX);
     saltus_status status =
-        saltus_orbits_shoot(o, &start.sequence, at->parameter, at->state, &shooting, &u, message);
-    if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, message);
+        saltus_orbits_evaluate(o, &start.sequence, at->parameter, at->state, &shooting, message);
     if (status == SALTUS_OK)
         status = saltus_null_plane(saltus_shooting_equations(shooting), plane, values, message);
     saltus_shooting_free(shooting);
-    free(u);
     if (status != SALTUS_OK)
         return status;
     for (int k = 0; k < SALTUS_MARKS_MAX; k++)
