@@ -7,7 +7,7 @@
  * where a determinant is zero. The sign with which y closes the gap tells on which side of the stop the
  * equilibrium lies; the flight in between shows whether y is a cycle.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "branch/boundary.h"
+#include "branch/born.h"
 
 #include "branch/sequence.h"
 
@@ -74,7 +74,7 @@ static double closes(const bounce *b, const double *state) {
 
 /* Find the cycle of a period: `half` (n) becomes its state half a period after the impact, in units of the
  * gap between equilibrium and stop; *side: 1 if that gap is open, -1 if negative, 0 without such a cycle. */
-static saltus_status find_cycle(bounce *b, double period, double *half, int *side, saltus_message *message) {
+static saltus_status find_cycle(bounce *b, double period, double *half, int *side) {
     enum { looks = 256 };
     const double grazing = 1e-6;
     const int n = b->n;
@@ -84,8 +84,7 @@ static saltus_status find_cycle(bounce *b, double period, double *half, int *sid
     sign_of(b);
     saltus_status status = saltus_dense_null_vectors(b->matrix, n, n, 1, state, &value);
     if (status != SALTUS_OK)
-        return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for a branch")
-                                          : SALTUS_OK;
+        return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
     /* Choose the sign of y so that the gap closes before the impact. */
     multiply(n, n, 1, b->linear, state, moved);
     const double gap = closes(b, state), speed = closes(b, moved);
@@ -111,8 +110,7 @@ static saltus_status find_cycle(bounce *b, double period, double *half, int *sid
 }
 
 /* The matrices, and the range of periods to try: a few turns of the slowest oscillation. */
-static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *at, int face,
-                                 saltus_message *message) {
+static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *at, int face) {
     enum { looks_max = 4000 };
     const double *scale = r->state_scale;
     const size_t n = (size_t)r->n;
@@ -120,7 +118,7 @@ static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *
     b->n = r->n;
     b->linear = calloc(7 * n * n + 3 * n, sizeof *b->linear);
     if (!b->linear || !saltus_dense_lu_open(&b->lu, b->n))
-        return saltus_branch_no_memory(message);
+        return SALTUS_NO_MEMORY;
     b->impact = b->linear + n * n;
     b->step = b->impact + n * n;
     b->flow = b->step + n * n;
@@ -128,7 +126,7 @@ static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *
     b->room = b->matrix + n * n;
     b->row = b->room + 2 * n * n;
     b->state = b->row + n;
-    saltus_status status = saltus_rests_linear(r, at->at.u, NULL, 0, b->linear, &count, message);
+    saltus_status status = saltus_rests_linear(r, at->at.u, NULL, 0, b->linear, &count, NULL);
     if (status != SALTUS_OK)
         return status;
     /* At the parameters at which the Jacobian was evaluated. */
@@ -169,18 +167,15 @@ static double gap_slope(saltus_rests *r, const saltus_rest *at, int face, double
     return fabs(ahead) > 1e-3 * apart ? (near->gap[face] - at->gap[face]) / ahead : NAN;
 }
 
-saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int face,
-                                    const saltus_branch_start *like, saltus_rest *scratch,
-                                    saltus_starts *starts, saltus_message *message) {
+void saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int face, const saltus_branch_start *like,
+                           saltus_rest *scratch, saltus_starts *starts) {
     bounce b = {.n = 0};
     saltus_branch_start start = *like;
     double along[SALTUS_STATE_MAX], half[SALTUS_STATE_MAX];
     if (at->contacts)
-        return SALTUS_OK;
+        return;
     const double slope = gap_slope(r, at, face, along, scratch);
-    if (r->starved)
-        return saltus_branch_no_memory(message);
-    saltus_status status = open_bounce(&b, r, at, face, message);
+    saltus_status status = open_bounce(&b, r, at, face);
     start.unknowns = r->n + 3; /* of a cycle with one impact; those beyond the state are unused */
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .count = 1};
     start.sequence.mark[0] = (saltus_mark){SALTUS_IMPACT, face, 0.5, false};
@@ -199,13 +194,13 @@ saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int 
                 exponential(&b, middle, b.flow);
                 *(sign_of(&b) == before ? &low : &period) = middle;
             }
-            status = find_cycle(&b, period, half, &side, message);
+            status = find_cycle(&b, period, half, &side);
             start.heading = side * slope > 0 ? -1 : 1;
             for (int i = 0; i < r->n; i++)
                 start.tangent[i] = along[i] + start.heading * fabs(slope) * half[i];
             start.sequence.omega = 2 * M_PI / period;
             if (status == SALTUS_OK && side)
-                status = saltus_starts_add(starts, &start, message);
+                status = saltus_starts_add(starts, &start, NULL);
             exponential(&b, k * b.h, b.flow);
         }
         before = sign;
@@ -214,7 +209,7 @@ saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int 
     }
     saltus_dense_lu_close(&b.lu);
     free(b.linear);
-    return status == SALTUS_NO_CONVERGENCE ? SALTUS_OK : status;
+    saltus_rests_noted(r, status);
 }
 
 saltus_status saltus_boundary_cycle(saltus_orbits *o, const saltus_branch_start *start, double distance,

@@ -155,9 +155,10 @@ static saltus_status advance(saltus_branch *b, bool *more, saltus_message *messa
     if (b->phase > RUN_ORBITS)
         return advance_loci(b, more, message);
     *more = b->trail.following || starts->count > 0;
-    if (b->trail.following) {
-        status = of_rests ? saltus_equilibria_advance(&b->equilibria, message)
-                          : saltus_trace_advance(&b->trace, message);
+    if (b->trail.following && of_rests) {
+        saltus_equilibria_advance(&b->equilibria);
+    } else if (b->trail.following) {
+        status = saltus_trace_advance(&b->trace, message);
     } else if (*more) {
         saltus_branch_start start = saltus_starts_take(starts);
         status = of_rests ? saltus_equilibria_start(&b->equilibria, &start, message)

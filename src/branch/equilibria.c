@@ -7,9 +7,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/equilibria.h"
 
-#include "branch/boundary.h"
-#include "branch/hopf.h"
-#include "branch/newborn.h"
+#include "branch/born.h"
 #include "branch/options.h"
 #include "branch/point.h"
 #include "saltus/equilibrium.h"
@@ -126,16 +124,15 @@ saltus_status saltus_rest_give(const saltus_rests *r, const saltus_rest *s, salt
     return status;
 }
 
-static saltus_status give(saltus_equilibria *e, const saltus_rest *s, saltus_notice what,
-                          saltus_message *message) {
-    return saltus_rest_give(&e->rests, s, what, e->trail, message);
+/* False, and the branch is not followed on, without memory. */
+static bool give(saltus_equilibria *e, const saltus_rest *s, saltus_notice what) {
+    const saltus_status status = saltus_rest_give(&e->rests, s, what, e->trail, NULL);
+    e->trail->following = saltus_rests_noted(&e->rests, status) == SALTUS_OK && e->trail->following;
+    return status == SALTUS_OK;
 }
 
-static saltus_status end(saltus_equilibria *e, const saltus_rest *s, double ahead, const char *reason,
-                         saltus_message *message) {
-    return give(e, s,
-                (saltus_notice){.kind = SALTUS_POINT_EP, .ahead = ahead, .accuracy = NAN, .reason = reason},
-                message);
+static void end(saltus_equilibria *e, const saltus_rest *s, double ahead, const char *reason) {
+    give(e, s, (saltus_notice){.kind = SALTUS_POINT_EP, .ahead = ahead, .accuracy = NAN, .reason = reason});
 }
 
 static void swap(saltus_rest **a, saltus_rest **b) {
@@ -253,7 +250,7 @@ static saltus_branch_start leaving(const saltus_equilibria *e, const saltus_rest
 
 /* Add the branches that leave at a branch point `at`; only one if `at` is symmetric, so that they are mirror
  * images of each other. */
-static saltus_status leave(saltus_equilibria *e, const saltus_rest *at, saltus_message *message) {
+static void leave(saltus_equilibria *e, const saltus_rest *at) {
     saltus_rests *r = &e->rests;
     const double nothing[SALTUS_STATE_MAX] = {0};
     double singular;
@@ -261,15 +258,15 @@ static saltus_status leave(saltus_equilibria *e, const saltus_rest *at, saltus_m
     saltus_branch_start start = leaving(e, at, SALTUS_POINT_BP);
     start.unknowns = r->n + 1; /* as many as an orbit's; those beyond m are unused */
     saltus_status status =
-        saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, start.tangent, &singular, message);
+        saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, start.tangent, &singular, NULL);
     if (status == SALTUS_OK)
-        status = saltus_starts_add_ways(&e->starts, &start, mirrored, message);
-    return status == SALTUS_NO_CONVERGENCE ? SALTUS_OK : status;
+        status = saltus_starts_add_ways(&e->starts, &start, mirrored, NULL);
+    saltus_rests_noted(r, status);
 }
 
 /* The requested locus begins at `at`; no more of this branch is needed. A `face` (-1: none) that is only
  * touched does not hold. */
-static saltus_status find(saltus_equilibria *e, const saltus_rest *at, int face, double omega) {
+static void find(saltus_equilibria *e, const saltus_rest *at, int face, double omega) {
     e->found = (saltus_locus_start){
         .kind = e->trail->options->locus,
         .sequence = {.contacts = face < 0 ? at->contacts : at->contacts & ~(1u << face), .omega = omega},
@@ -278,7 +275,6 @@ static saltus_status find(saltus_equilibria *e, const saltus_rest *at, int face,
         .parent = -1};
     memcpy(e->found.state, at->state, sizeof e->found.state);
     e->trail->following = false;
-    return SALTUS_OK;
 }
 
 /* Whether the real parts of a pair of eigenvalues are this small, relative to the imaginary ones. */
@@ -291,43 +287,41 @@ static bool has_imaginary_pair(const saltus_rest *s, double close) {
 
 /* Give out the Hopf point `at`, with what it says about the cycles born there. Two real eigenvalues of
  * opposite sign are no Hopf point. */
-static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, saltus_notice what,
-                               saltus_message *message) {
+static void give_hopf(saltus_equilibria *e, const saltus_rest *at, saltus_notice what) {
     const double on_axis = 1e-6;
     saltus_hopf hopf;
     char reason[SALTUS_REASON_MAX];
     if (!has_imaginary_pair(at, on_axis))
-        return SALTUS_OK;
-    saltus_status status = saltus_hopf_find(&e->rests, at, &hopf);
-    if (status == SALTUS_NO_MEMORY)
-        return saltus_branch_no_memory(message);
-    if (status != SALTUS_OK)
-        return give(e, at, what, message);
-    if (e->trail->options->locus == SALTUS_POINT_HB)
-        return find(e, at, -1, hopf.omega);
-    const char *criticality = !(fabs(hopf.coefficient) > hopf.error) ? "criticality not decided"
-                              : hopf.coefficient < 0                 ? "supercritical"
-                                                                     : "subcritical";
-    snprintf(reason, sizeof reason, "%s: omega = %.12g, first Lyapunov coefficient %.9g +- %.0e", criticality,
-             hopf.omega, hopf.coefficient, hopf.error);
-    what.reason = reason;
-    status = give(e, at, what, message);
-    if (status == SALTUS_OK) {
-        saltus_branch_point *point = saltus_trail_last(e->trail);
-        point->period = 2 * M_PI / hopf.omega;
-        point->lyapunov_coefficient = hopf.coefficient;
+        return;
+    const bool told = saltus_hopf_find(&e->rests, at, &hopf);
+    if (told && e->trail->options->locus == SALTUS_POINT_HB) {
+        find(e, at, -1, hopf.omega);
+        return;
     }
-    if (status != SALTUS_OK || !saltus_trail_switches(e->trail))
-        return status;
+    if (told) {
+        const char *criticality = !(fabs(hopf.coefficient) > hopf.error) ? "criticality not decided"
+                                  : hopf.coefficient < 0                 ? "supercritical"
+                                                                         : "subcritical";
+        snprintf(reason, sizeof reason, "%s: omega = %.12g, first Lyapunov coefficient %.9g +- %.0e",
+                 criticality, hopf.omega, hopf.coefficient, hopf.error);
+        what.reason = reason;
+    }
+    if (!give(e, at, what) || !told)
+        return;
+    saltus_branch_point *point = saltus_trail_last(e->trail);
+    point->period = 2 * M_PI / hopf.omega;
+    point->lyapunov_coefficient = hopf.coefficient;
+    if (!saltus_trail_switches(e->trail))
+        return;
     saltus_branch_start start = leaving(e, at, SALTUS_POINT_HB);
     saltus_hopf_direction(&e->rests, &hopf, start.tangent);
     start.sequence.omega = hopf.omega;
     start.unknowns = e->rests.n + 2;
-    return saltus_starts_add(e->cycles, &start, message);
+    saltus_rests_noted(&e->rests, saltus_starts_add(e->cycles, &start, NULL));
 }
 
 /* Find all special points of the step from `here` to `next`, and give them out in order. */
-static saltus_status give_specials(saltus_equilibria *e, saltus_message *message) {
+static void give_specials(saltus_equilibria *e) {
     static const struct {
         saltus_point_kind kind;
         saltus_test test;
@@ -339,7 +333,6 @@ static saltus_status give_specials(saltus_equilibria *e, saltus_message *message
     const double reach = e->next->at.ahead;
     saltus_rest *at = e->trial;
     saltus_special places[SALTUS_BRANCH_VALUES_MAX + kinds];
-    saltus_status status = SALTUS_OK;
     /* Without damping a pair stays on the axis and crosses it by rounding only. */
     const double rounding = 1e-9;
     const bool undamped = has_imaginary_pair(e->here, rounding) && has_imaginary_pair(e->next, rounding);
@@ -361,7 +354,7 @@ static saltus_status give_specials(saltus_equilibria *e, saltus_message *message
         if (zero.found)
             count = saltus_special_insert(found, places, count);
     }
-    for (int k = 0; k < count && status == SALTUS_OK && e->trail->following; k++) {
+    for (int k = 0; k < count && e->trail->following; k++) {
         const saltus_special *p = &places[k];
         const saltus_notice what = {.kind = p->kind, .ahead = p->ahead, .accuracy = p->accuracy};
         const bool crosses = p->kind == SALTUS_POINT_BP;
@@ -371,15 +364,14 @@ static saltus_status give_specials(saltus_equilibria *e, saltus_message *message
         if (p->kind == SALTUS_POINT_UZ)
             at->value[0] = p->target;
         if (p->kind == SALTUS_POINT_HB)
-            status = give_hopf(e, at, what, message);
+            give_hopf(e, at, what);
         else if (p->kind == SALTUS_POINT_LP && options->locus == SALTUS_POINT_LP)
-            status = find(e, at, -1, 0);
+            find(e, at, -1, 0);
         else
-            status = give(e, at, what, message);
-        if (status == SALTUS_OK && crosses && saltus_trail_switches(e->trail))
-            status = leave(e, at, message);
+            give(e, at, what);
+        if (crosses && saltus_trail_switches(e->trail))
+            leave(e, at);
     }
-    return status;
 }
 
 /* The face met or left first between `here` and `next`, with the equilibrium there as `trial`; -1: none. */
@@ -417,22 +409,17 @@ static bool change_contact(saltus_equilibria *e, const saltus_rest *at, int face
 }
 
 /* Find the cycles that begin where `next` touches a face; beyond, the equilibria go on at `spare`. */
-static saltus_status find_born(saltus_equilibria *e, int face, bool leaves, saltus_starts *born,
-                               saltus_message *message) {
+static void find_born(saltus_equilibria *e, int face, bool leaves, saltus_starts *born) {
     const saltus_rest *free_one = leaves ? e->spare : e->next;
     const saltus_branch_start like = leaving(e, free_one, SALTUS_POINT_BE);
     saltus_rests *r = &e->rests;
-    saltus_status status =
-        saltus_rests_shape(r, free_one->contacts, free_one->state, free_one->parameter, message);
-    if (status == SALTUS_OK)
-        status = saltus_boundary_leave(r, free_one, face, &like, e->trial, born, message);
-    if (status == SALTUS_OK)
-        status =
-            saltus_newborn_find(r, free_one, face, &e->trail->options->orbit, &like, e->trial, born, message);
-    if (status == SALTUS_OK)
-        saltus_rests_noted(
-            r, saltus_rests_shape(r, e->spare->contacts, e->spare->state, e->spare->parameter, NULL));
-    return status;
+    if (saltus_rests_noted(r, saltus_rests_shape(r, free_one->contacts, free_one->state, free_one->parameter,
+                                                 NULL)) == SALTUS_OK) {
+        saltus_boundary_leave(r, free_one, face, &like, e->trial, born);
+        saltus_newborn_find(r, free_one, face, &e->trail->options->orbit, &like, e->trial, born);
+    }
+    saltus_rests_noted(r,
+                       saltus_rests_shape(r, e->spare->contacts, e->spare->state, e->spare->parameter, NULL));
 }
 
 /* Describe a cycle that begins at a boundary equilibrium; returns the length of the text. */
@@ -457,19 +444,22 @@ static int tell_born(const saltus_branch_start *born, bool first, const char *ke
 }
 
 /* The equilibrium `next` meets or leaves a stop: continue the branch with the changed contacts. */
-static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, saltus_message *message) {
+static void meet(saltus_equilibria *e, int face, saltus_zero zero) {
     saltus_trail *trail = e->trail;
     const saltus_face f = e->rests.system->faces[face];
     const saltus_breach touch = {.face = face};
     saltus_message why = {.text = ""};
     char reason[SALTUS_REASON_MAX];
     const bool leaves = e->next->contacts >> face & 1;
-    if (trail->options->locus == SALTUS_POINT_BE)
-        return find(e, e->next, face, 0);
+    if (trail->options->locus == SALTUS_POINT_BE) {
+        find(e, e->next, face, 0);
+        return;
+    }
     const bool goes_on = change_contact(e, e->next, face, &why);
     const bool turns = goes_on && heading_of(e->next) * heading_of(e->spare) < 0;
     saltus_starts born = {.count = 0};
-    saltus_status status = goes_on ? find_born(e, face, leaves, &born, message) : SALTUS_OK;
+    if (goes_on)
+        find_born(e, face, leaves, &born);
     int length = snprintf(reason, sizeof reason, "%s stop %d %s%s", leaves ? "leaves" : "meets", f.stop + 1,
                           f.side > 0 ? "upper" : "lower",
                           !goes_on ? "; beyond it no equilibrium was found"
@@ -478,76 +468,79 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
     for (int k = 0; k < born.count && length < (int)sizeof reason; k++)
         length += tell_born(&born.start[k], k == 0, trail->options->key[0], reason + length,
                             sizeof reason - (size_t)length);
-    if (status == SALTUS_OK)
-        status = give(e, e->next,
-                      (saltus_notice){.kind = SALTUS_POINT_BE,
-                                      .ahead = zero.ahead,
-                                      .accuracy = zero.accuracy,
-                                      .reason = reason,
-                                      .after = goes_on ? label_of(e->spare->contacts) : NULL,
-                                      .grazing = &touch},
-                      message);
-    for (int k = 0; k < born.count && status == SALTUS_OK && saltus_trail_switches(e->trail); k++)
-        status = saltus_starts_add(e->cycles, &born.start[k], message);
+    give(e, e->next,
+         (saltus_notice){.kind = SALTUS_POINT_BE,
+                         .ahead = zero.ahead,
+                         .accuracy = zero.accuracy,
+                         .reason = reason,
+                         .after = goes_on ? label_of(e->spare->contacts) : NULL,
+                         .grazing = &touch});
+    for (int k = 0; k < born.count && saltus_trail_switches(e->trail); k++)
+        saltus_rests_noted(&e->rests, saltus_starts_add(e->cycles, &born.start[k], NULL));
     saltus_starts_clear(&born);
-    if (status != SALTUS_OK || !trail->following)
-        return status;
-    if (!goes_on)
-        return end(e, e->next, zero.ahead, why.text, message);
+    if (!trail->following)
+        return;
+    if (!goes_on) {
+        end(e, e->next, zero.ahead, why.text);
+        return;
+    }
     saltus_trail_jump(trail, zero.ahead);
     swap(&e->here, &e->spare);
-    return status;
 }
 
-saltus_status saltus_equilibria_advance(saltus_equilibria *e, saltus_message *message) {
+void saltus_equilibria_advance(saltus_equilibria *e) {
     const double finest = 1e-4;
     saltus_rests *r = &e->rests;
     saltus_trail *trail = e->trail;
     const saltus_curve_bound bound = {r->size, e->range[0], e->range[1]};
     saltus_zero zero = {.accuracy = NAN};
     saltus_message why = {.text = ""};
-    int reached;
+    int reached, face = -1;
     saltus_status status =
         saltus_curve_step(&r->equations, &e->here->at, &trail->step, &bound, 1, &e->next->at, &reached, &why);
     if (status == SALTUS_OK)
         status = saltus_rest_see(r, e->next, &why);
-    if (status == SALTUS_NO_MEMORY)
-        return saltus_branch_no_memory(message);
-    if (status != SALTUS_OK)
-        return end(e, e->here, 0, why.text, message);
-    /* So many eigenvalues may have changed sides that there is more than one Hopf point on the step, or one
-     * that the test does not show. */
-    const sought pair = {.e = e, .test = SALTUS_TEST_PAIR};
-    const int changed = abs(e->next->unstable - e->here->unstable),
-              shown = saltus_test_crosses(value_at(&pair, e->here), value_at(&pair, e->next)) ? 4 : 2;
-    if (changed >= shown && e->next->at.ahead > finest) {
-        trail->step = 0.5 * e->next->at.ahead;
-        return SALTUS_OK;
+    if (status == SALTUS_OK) {
+        /* So many eigenvalues may have changed sides that there is more than one Hopf point on the step, or
+         * one that the test does not show. */
+        const sought pair = {.e = e, .test = SALTUS_TEST_PAIR};
+        const int changed = abs(e->next->unstable - e->here->unstable),
+                  shown = saltus_test_crosses(value_at(&pair, e->here), value_at(&pair, e->next)) ? 4 : 2;
+        if (changed >= shown && e->next->at.ahead > finest) {
+            trail->step = 0.5 * e->next->at.ahead;
+            return;
+        }
+        face = find_breach(e, &zero);
+        if (face >= 0)
+            status = saltus_rest_visit(r, e->here, zero.ahead, e->next, &why);
     }
-    int face = find_breach(e, &zero);
-    if (face >= 0 && saltus_rest_visit(r, e->here, zero.ahead, e->next, &why) != SALTUS_OK)
-        return end(e, e->here, 0, why.text, message);
-    status = give_specials(e, message);
-    if (status != SALTUS_OK || !trail->following)
-        return status;
+    if (saltus_rests_noted(r, status) != SALTUS_OK) {
+        end(e, e->here, 0, why.text);
+        return;
+    }
+    give_specials(e);
+    if (!trail->following)
+        return;
     trail->fresh = false;
-    if (face >= 0)
-        return meet(e, face, zero, message);
+    if (face >= 0) {
+        meet(e, face, zero);
+        return;
+    }
     const double ahead = e->next->at.ahead;
     trail->step = saltus_curve_next_step(trail->step, e->next->at.iterations, trail->options->step_max);
     if (reached >= 0) {
         const bool upper = e->next->parameter[0] == e->range[1];
         e->next->value[0] = upper ? trail->options->high[0] : trail->options->low[0];
-        return end(e, e->next, ahead, saltus_range_ends, message);
+        end(e, e->next, ahead, saltus_range_ends);
+        return;
     }
     if (saltus_trail_wants(trail, ahead)) {
-        status = give(e, e->next, (saltus_notice){.ahead = ahead, .accuracy = NAN}, message);
+        give(e, e->next, (saltus_notice){.ahead = ahead, .accuracy = NAN});
         saltus_trail_shown(trail, ahead);
     }
     trail->arclength += ahead;
     swap(&e->here, &e->next);
     saltus_curve_bend(&e->next->at, &e->here->at);
-    return status;
 }
 
 /* The first point is a regular one, and again UZ if it lies at a requested value. */
@@ -568,14 +561,14 @@ saltus_status saltus_equilibria_start(saltus_equilibria *e, const saltus_branch_
     const int heading = crosses ? 0 : start->heading;
     if (heading_of(here) * heading < 0)
         saltus_curve_turn(&here->at);
-    status = give(e, here, (saltus_notice){.accuracy = NAN}, message);
+    give(e, here, (saltus_notice){.accuracy = NAN});
     trail->regular = 1;
-    for (int k = 0; k < trail->options->value_count && status == SALTUS_OK && trail->following; k++)
+    for (int k = 0; k < trail->options->value_count && trail->following; k++)
         if (trail->options->values[k] == here->value[0])
-            status = give(e, here, (saltus_notice){.kind = SALTUS_POINT_UZ}, message);
-    if (status == SALTUS_OK && heading && trail->following && here->parameter[0] == e->range[heading > 0])
-        status = end(e, here, 0, saltus_range_ends, message);
-    return status;
+            give(e, here, (saltus_notice){.kind = SALTUS_POINT_UZ});
+    if (heading && trail->following && here->parameter[0] == e->range[heading > 0])
+        end(e, here, 0, saltus_range_ends);
+    return SALTUS_OK;
 }
 
 saltus_status saltus_equilibria_archive(saltus_equilibria *e, saltus_archive *a, saltus_message *message) {

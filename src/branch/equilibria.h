@@ -26,12 +26,12 @@ typedef struct saltus_equilibria {
 saltus_status saltus_equilibria_open(saltus_equilibria *equilibria, const saltus_spec *spec,
                                      const double *state, saltus_message *message);
 void saltus_equilibria_close(saltus_equilibria *equilibria);
-/* Begin a branch at a start: give out its first point. Errors: those of the equations, SALTUS_NO_MEMORY. */
+/* Begin a branch at a start: give out its first point. From here on lack of memory is noted in the equations.
+ * Errors: those of the equations. */
 saltus_status saltus_equilibria_start(saltus_equilibria *equilibria, const saltus_branch_start *start,
                                       saltus_message *message);
-/* One step along the branch under way. If a locus is requested the branch ends where that begins. Errors:
- * SALTUS_NO_MEMORY. */
-saltus_status saltus_equilibria_advance(saltus_equilibria *equilibria, saltus_message *message);
+/* One step along the branch under way. If a locus is requested the branch ends where that begins. */
+void saltus_equilibria_advance(saltus_equilibria *equilibria);
 /* Everything, except the trail, on which later steps depend: written, or read into what was opened. Errors:
  * SALTUS_NO_MEMORY, those of the evaluation. */
 saltus_status saltus_equilibria_archive(saltus_equilibria *equilibria, saltus_archive *archive,

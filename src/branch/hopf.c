@@ -1,6 +1,6 @@
 /* Hopf points of equilibria, and the cycles that are born there.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "branch/hopf.h"
+#include "branch/born.h"
 
 #include <complex.h>
 #include <math.h>
@@ -149,7 +149,7 @@ static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex 
     return SALTUS_OK;
 }
 
-saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_hopf *hopf) {
+bool saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_hopf *hopf) {
     static const double reach[] = {1, 0.3, 0.1, 0.03, 0.01, 0.003};
     const size_t entries = (size_t)(r->n * r->n);
     expansion x = {.linear = calloc(10 * entries + 2 * (size_t)r->n, sizeof *x.linear)};
@@ -161,8 +161,10 @@ saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_ho
             least = fabs(at->rates[k].re);
             hopf->omega = at->rates[k].im;
         }
-    if (!x.linear)
-        return SALTUS_NO_MEMORY;
+    if (!x.linear) {
+        r->starved = true;
+        return false;
+    }
     x.trial = x.linear + entries;
     for (size_t k = 0; k < 2; k++) {
         x.along[k] = x.trial + (1 + k) * entries;
@@ -189,7 +191,7 @@ saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_ho
     }
     hopf->error += 1e-14 * fabs(hopf->coefficient);
     free(x.linear);
-    return status;
+    return saltus_rests_noted(r, status) == SALTUS_OK;
 }
 
 void saltus_hopf_direction(const saltus_rests *r, const saltus_hopf *hopf, double *tangent) {

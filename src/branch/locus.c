@@ -2,8 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus.h"
 
+#include "branch/born.h"
 #include "branch/halved.h"
-#include "branch/hopf.h"
 #include "branch/join.h"
 #include "branch/locus_corners.h"
 #include "branch/options.h"

@@ -7,7 +7,7 @@
  * impacts an eighth as fast and nearly the same period. This distinguishes what is born from cycles that were
  * there before, whose size does not change.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "branch/newborn.h"
+#include "branch/born.h"
 
 #include "orbit/poincare.h"
 #include "orbit/sequence.h"
@@ -233,7 +233,7 @@ static bool is_known(const saltus_starts *starts, const saltus_branch_start *sta
 
 /* Try one motion on one side, where `rest` is the equilibrium. */
 static saltus_status try(newborn *b, int trial, saltus_rest *rest, const saltus_branch_start *like,
-                         saltus_starts *starts, saltus_message *message) {
+                         saltus_starts *starts) {
     double state[SALTUS_STATE_MAX];
     saltus_branch_start start = *like;
     found f = {.speed = 0};
@@ -249,38 +249,32 @@ static saltus_status try(newborn *b, int trial, saltus_rest *rest, const saltus_
     clear(&f);
     start.heading = b->parameter > b->at->parameter[0] ? 1 : -1;
     start.unknowns = saltus_sequence_unknowns(&start.sequence, b->rests->n) + 1;
-    if (!does || status != SALTUS_OK || is_known(starts, &start))
-        return saltus_rests_noted(b->rests, status);
-    return saltus_starts_add(starts, &start, message);
+    return does && status == SALTUS_OK && !is_known(starts, &start) ? saltus_starts_add(starts, &start, NULL)
+                                                                    : status;
 }
 
-saltus_status saltus_newborn_find(saltus_rests *r, const saltus_rest *at, int face,
-                                  const saltus_orbit_options *options, const saltus_branch_start *like,
-                                  saltus_rest *scratch, saltus_starts *starts, saltus_message *message) {
+void saltus_newborn_find(saltus_rests *r, const saltus_rest *at, int face,
+                         const saltus_orbit_options *options, const saltus_branch_start *like,
+                         saltus_rest *scratch, saltus_starts *starts) {
     enum { trials = 3 };
     const double distance = 1e-3;
     newborn b = {.rests = r, .options = *options, .at = at, .face = face};
     b.options.flow.stop = NULL;
     b.state = calloc((size_t)contacts_max * (size_t)r->n, sizeof *b.state);
-    saltus_status status = b.state ? SALTUS_OK : saltus_branch_no_memory(message);
-    for (int side = 0; side < 2 * trials && status == SALTUS_OK; side++) {
+    saltus_rests_noted(r, b.state ? SALTUS_OK : SALTUS_NO_MEMORY);
+    for (int side = 0; side < 2 * trials && !r->starved; side++) {
         b.parameter = at->parameter[0] + (side % 2 ? -distance : distance);
-        saltus_status made = tune(r, at, b.parameter, scratch, &b.system);
-        if (made == SALTUS_OK)
-            made = saltus_flow_single(b.system, 0, &b.options.flow, &b.flow, NULL);
-        b.size = made == SALTUS_OK ? apart(&b, scratch->state, at->state) : 0;
-        if (made == SALTUS_OK && b.size > 0)
-            status = try(&b, side / 2, scratch, like, starts, message);
-        saltus_rests_noted(r, made);
+        saltus_status status = tune(r, at, b.parameter, scratch, &b.system);
+        if (status == SALTUS_OK)
+            status = saltus_flow_single(b.system, 0, &b.options.flow, &b.flow, NULL);
+        b.size = status == SALTUS_OK ? apart(&b, scratch->state, at->state) : 0;
+        if (b.size > 0)
+            status = try(&b, side / 2, scratch, like, starts);
+        saltus_rests_noted(r, status);
         saltus_flow_free(b.flow);
         saltus_system_free(b.system);
         b.flow = NULL;
         b.system = NULL;
-        if (r->starved)
-            status = saltus_branch_no_memory(message);
-        else if (status != SALTUS_NO_MEMORY)
-            status = SALTUS_OK;
     }
     free(b.state);
-    return status;
 }

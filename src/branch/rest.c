@@ -345,6 +345,14 @@ saltus_status saltus_rests_fill(saltus_rests *r, const double *parameters, const
     return SALTUS_OK;
 }
 
+saltus_status saltus_rests_begin(saltus_rests *r, unsigned contacts, const double *state,
+                                 const double *parameters, saltus_curve_point *at, saltus_message *message) {
+    saltus_status status = saltus_rests_shape(r, contacts, state, parameters, message);
+    if (status == SALTUS_OK && !saltus_curve_reserve(at, r->equations.unknowns))
+        status = saltus_branch_no_memory(message);
+    return status == SALTUS_OK ? saltus_rests_fill(r, parameters, state, at->u, message) : status;
+}
+
 saltus_status saltus_rests_linear(saltus_rests *r, const double *u, const double *aside, double by,
                                   double *matrix, int *count, saltus_message *message) {
     work *w = r->work;
@@ -436,11 +444,7 @@ saltus_status saltus_rest_place(saltus_rests *r, unsigned contacts, const double
                                 saltus_message *message) {
     saltus_equations *e = &r->equations;
     saltus_curve_point *at = &out->at;
-    saltus_status status = saltus_rests_shape(r, contacts, state, parameter, message);
-    if (status == SALTUS_OK && !saltus_curve_reserve(at, e->unknowns))
-        status = saltus_branch_no_memory(message);
-    if (status == SALTUS_OK)
-        status = saltus_rests_fill(r, parameter, state, at->u, message);
+    saltus_status status = saltus_rests_begin(r, contacts, state, parameter, at, message);
     at->ahead = 0;
     at->bent = false;
     at->iterations = 0;

@@ -80,6 +80,10 @@ saltus_status saltus_rests_shape(saltus_rests *rests, unsigned contacts, const d
  * evaluation, SALTUS_STALLED if the contacts cannot hold together. */
 saltus_status saltus_rests_fill(saltus_rests *rests, const double *parameters, const double *state, double *u,
                                 saltus_message *message);
+/* Both: shape the equations, and `at` gets the unknowns of that equilibrium, which the equations may not yet
+ * hold for. Errors: as above. */
+saltus_status saltus_rests_begin(saltus_rests *rests, unsigned contacts, const double *state,
+                                 const double *parameters, saltus_curve_point *at, saltus_message *message);
 /* The Jacobian's null vectors at u, `size` numbers each. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_rests_null_vectors(saltus_rests *rests, const double *u, double *right, double *left,
                                         saltus_message *message);

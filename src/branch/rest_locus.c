@@ -2,8 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/rest_locus.h"
 
+#include "branch/born.h"
 #include "branch/equilibria.h"
-#include "branch/hopf.h"
 #include "branch/options.h"
 
 #include <complex.h>
@@ -50,9 +50,8 @@ static saltus_status look(saltus_rest_locus *l, saltus_rest *s, saltus_message *
     s->tests[0] = square / (r->rate_scale * r->rate_scale);
     if (!(square > 0))
         return SALTUS_OK;
-    status = saltus_hopf_find(r, s, &hopf);
-    s->tests[1] = status == SALTUS_OK ? hopf.coefficient : NAN;
-    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    s->tests[1] = saltus_hopf_find(r, s, &hopf) ? hopf.coefficient : NAN;
+    return SALTUS_OK;
 }
 
 /* Renew what identifies the special point in the equations. If the left null vector is reversed, so is the
@@ -88,13 +87,9 @@ static saltus_status open_curve(saltus_rest_locus *l, const saltus_locus_start *
     l->trail->parent = start->parent;
     l->trail->depth = start->depth;
     saltus_status status =
-        saltus_rests_shape(r, start->sequence.contacts, start->state, start->parameter, message);
+        saltus_rests_begin(r, start->sequence.contacts, start->state, start->parameter, at, message);
     const int m = r->equations.unknowns;
     const size_t bytes = (size_t)m * sizeof *at->u;
-    if (status == SALTUS_OK && !saltus_curve_reserve(at, m))
-        status = saltus_branch_no_memory(message);
-    if (status == SALTUS_OK)
-        status = saltus_rests_fill(r, start->parameter, start->state, at->u, message);
     if (status == SALTUS_OK)
         status = renew(l, at->u, message);
     if (status != SALTUS_OK)
@@ -192,11 +187,8 @@ static saltus_status meet(saltus_rest_locus *l, saltus_point_kind kind, const sa
     const saltus_trail *trail = l->trail;
     const bool grows = kind == SALTUS_POINT_GH;
     saltus_hopf hopf = {.omega = 0};
-    if (trail->options->switches == 0)
+    if (trail->options->switches == 0 || (grows && !saltus_hopf_find(&l->rests, at, &hopf)))
         return SALTUS_OK;
-    saltus_status status = grows ? saltus_hopf_find(&l->rests, at, &hopf) : SALTUS_OK;
-    if (status != SALTUS_OK)
-        return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
     saltus_locus_start start = {
         .kind = l->rests.special.kind,
         .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf.omega},
@@ -207,7 +199,7 @@ static saltus_status meet(saltus_rest_locus *l, saltus_point_kind kind, const sa
         .depth = trail->depth + 1,
         .done = true};
     memcpy(start.state, at->state, sizeof start.state);
-    status = saltus_locus_starts_add(l->starts, &start, NAN, message);
+    saltus_status status = saltus_locus_starts_add(l->starts, &start, NAN, message);
     if (status != SALTUS_OK || trail->depth >= trail->options->switches)
         return status;
     start.kind = start.kind == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;

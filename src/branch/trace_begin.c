@@ -1,7 +1,6 @@
 /* How branches of periodic orbits begin.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "branch/boundary.h"
-#include "branch/hopf.h"
+#include "branch/born.h"
 #include "branch/sequence.h"
 #include "branch/trace.h"
 #include "orbit/poincare.h"

@@ -5,7 +5,7 @@
  * impact of zero speed, a free maximum on a stop, a contact force of zero) ends the sequence: the branch
  * continues with another one (change.h). The event-driven flow has the last word on every point.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "branch/boundary.h"
+#include "branch/born.h"
 #include "branch/ending.h"
 #include "branch/trace.h"
 #include "orbit/lap.h"
