@@ -646,14 +646,14 @@ static void zeros_are_located(void **state) {
     int exact = 0;
     gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
     for (int n = 0; n < 400; n++) {
-        double end = made_random(&seed), near, far, place_of, width;
+        double end = made_random(&seed), ends[] = {0, end}, values[2], place_of, width;
         known k = {.kind = n % 4, .zero = end * (0.5 + 0.49 * made_random(&seed)), .fails = INFINITY};
-        known_at(&k, 0, &near);
-        known_at(&k, end, &far);
-        if (!(near * far < 0))
+        known_at(&k, 0, &values[0]);
+        known_at(&k, end, &values[1]);
+        if (!(values[0] * values[1] < 0))
             continue;
         k.calls = 0;
-        assert_true(saltus_curve_zero(solver, known_at, &k, near, end, far, &place_of, &width));
+        assert_true(saltus_curve_zero(solver, known_at, &k, ends, values, &place_of, &width));
         assert_in_range(k.calls, 1, 60);
         /* A zero of third order is only found to where the value underflows. */
         check_near(place_of, k.zero, k.kind == 2 ? 1e-5 : 1e-13);
@@ -676,11 +676,11 @@ static void zeros_between_tiny_values(void **state) {
         for (int j = 0; j < 4; j++)
             for (int sign = -1; sign <= 1; sign += 2) {
                 known k = {.zero = 0.3, .fails = INFINITY};
+                const double ends[] = {0, 1}, values[] = {-sizes[i], sign * sizes[j]};
                 double place_of = NAN, width;
-                bool found =
-                    saltus_curve_zero(solver, known_at, &k, -sizes[i], 1, sign * sizes[j], &place_of, &width);
+                bool found = saltus_curve_zero(solver, known_at, &k, ends, values, &place_of, &width);
                 if (found != (sign > 0))
-                    fail_msg("%g to %g: %s", -sizes[i], sign * sizes[j], found ? "found" : "not found");
+                    fail_msg("%g to %g: %s", values[0], values[1], found ? "found" : "not found");
             }
     gsl_root_fsolver_free(solver);
 }
@@ -690,15 +690,16 @@ static void zeros_that_cannot_be_had(void **state) {
     (void)state;
     gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
     double place_of, width;
-    static const double ends[][2] = {{1, 1}, {-1, -1}, {0, 1}, {1, 0}, {NAN, 1}, {-1, NAN}, {0, 0}};
-    for (size_t n = 0; n < sizeof ends / sizeof ends[0]; n++) {
+    static const double ends[] = {0, 1}, far[] = {-1, 100},
+                        values[][2] = {{1, 1}, {-1, -1}, {0, 1}, {1, 0}, {NAN, 1}, {-1, NAN}, {0, 0}};
+    for (size_t n = 0; n < sizeof values / sizeof values[0]; n++) {
         known k = {.zero = 0.5, .fails = INFINITY};
-        assert_false(saltus_curve_zero(solver, known_at, &k, ends[n][0], 1, ends[n][1], &place_of, &width));
+        assert_false(saltus_curve_zero(solver, known_at, &k, ends, values[n], &place_of, &width));
         assert_int_equal(k.calls, 0);
     }
     for (int none = 0; none < 2; none++) {
         known k = {.kind = 3, .zero = 0.5, .fails = 0.1, .none = none};
-        assert_false(saltus_curve_zero(solver, known_at, &k, -1, 1, 100, &place_of, &width));
+        assert_false(saltus_curve_zero(solver, known_at, &k, ends, far, &place_of, &width));
     }
     gsl_root_fsolver_free(solver);
 }

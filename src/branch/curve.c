@@ -442,8 +442,8 @@ static double value_at(double ahead, void *context) {
     return s->failed ? 0 : s->value;
 }
 
-bool saltus_curve_zero_between(gsl_root_fsolver *solver, saltus_curve_function *function, void *context,
-                               const double ends[2], const double values[2], double *place, double *width) {
+bool saltus_curve_zero(gsl_root_fsolver *solver, saltus_curve_function *function, void *context,
+                       const double ends[2], const double values[2], double *place, double *width) {
     enum { evaluations_max = 60 };
     search s = {.function = function, .context = context, .ends = ends, .values = values, .value = values[1]};
     gsl_function called = {.function = value_at, .params = &s};
@@ -462,12 +462,6 @@ bool saltus_curve_zero_between(gsl_root_fsolver *solver, saltus_curve_function *
     if (s.value == 0)
         *width = 0;
     return !s.failed;
-}
-
-bool saltus_curve_zero(gsl_root_fsolver *solver, saltus_curve_function *function, void *context, double near,
-                       double end, double far, double *place, double *width) {
-    const double ends[] = {0, end}, values[] = {near, far};
-    return saltus_curve_zero_between(solver, function, context, ends, values, place, width);
 }
 
 bool saltus_curve_cross(saltus_curve_function *function, void *context, const saltus_curve_point *from,

@@ -101,14 +101,10 @@ saltus_status saltus_curve_settle(saltus_equations *equations, double *u, double
 /* A function along a curve whose zero is sought; false where it cannot be computed. */
 typedef bool saltus_curve_function(void *context, double ahead, double *value);
 
-/* The zero of a function between 0, where it is `near`, and `end`, where it is `far`, of the other sign;
- * *width: of the last bracket, 0 where the function is exactly zero. `solver`: GSL's Brent method. False if
- * it fails. */
-bool saltus_curve_zero(gsl_root_fsolver *solver, saltus_curve_function *function, void *context, double near,
-                       double end, double far, double *place, double *width);
-/* The same between any two places, given the values there. */
-bool saltus_curve_zero_between(gsl_root_fsolver *solver, saltus_curve_function *function, void *context,
-                               const double ends[2], const double values[2], double *place, double *width);
+/* The zero of a function between two places, given the values there, of different signs; *width: of the last
+ * bracket, 0 where the function is exactly zero. `solver`: GSL's Brent method. False if it fails. */
+bool saltus_curve_zero(gsl_root_fsolver *solver, saltus_curve_function *function, void *context,
+                       const double ends[2], const double values[2], double *place, double *width);
 /* The unknowns, to `work` (7 x unknowns), at a zero where the equations themselves are singular, interpolated
  * from points at up to three times `apart` on both sides of `middle`, which the function leaves in `at`.
  * *ahead: distance from `from`; *spread: possible error of the parameter. False if a point cannot be found,

@@ -80,48 +80,42 @@ saltus_status saltus_rest_give(const saltus_rests *r, const saltus_rest *s, salt
                                saltus_trail *trail, saltus_message *message) {
     const saltus_rest_special *special = &r->special;
     const bool touches = special->kind == SALTUS_POINT_BE;
-    saltus_branch_point *point = saltus_trail_place(trail, message);
-    if (!point)
-        return SALTUS_NO_MEMORY;
-    saltus_status status = saltus_point_open(point, r->n, 0, message);
+    const saltus_breach touch = {.face = special->face};
+    saltus_branch_point point;
+    saltus_status status = saltus_point_open(&point, r->n, 0, message);
     if (status != SALTUS_OK)
         return status;
-    point->spec = saltus_family_spec(&r->family, s->parameter, 0);
+    point.spec = saltus_family_spec(&r->family, s->parameter, 0);
     for (int d = 0; d < r->family.parameters; d++) {
         /* What the rounded unknown lacks to the equilibrium's value, which is exact on a border of the
          * range. */
         const double rest = s->value[d] - (r->origin[d] + r->family.unit[d] * s->parameter[d]);
-        point->spec = saltus_spec_shifted(&point->spec, &r->family.direction[d], rest);
-        point->value[d] = s->value[d];
+        point.spec = saltus_spec_shifted(&point.spec, &r->family.direction[d], rest);
+        point.value[d] = s->value[d];
     }
-    point->heading = s->at.tangent[s->at.unknowns - r->family.parameters] * r->family.unit[0];
-    point->locus = special->kind;
-    point->unstable = s->unstable;
-    point->stable = s->stable && !special->kind;
-    point->admissible = true;
-    point->residual = s->at.residual;
-    point->iterations = s->at.iterations;
-    point->sum_rule = s->trace;
-    point->multiplier_count = s->rate_count;
-    memcpy(point->state, s->state, (size_t)r->n * sizeof *s->state);
+    point.heading = s->at.tangent[s->at.unknowns - r->family.parameters] * r->family.unit[0];
+    point.locus = special->kind;
+    point.unstable = s->unstable;
+    point.stable = s->stable && !special->kind;
+    point.admissible = true;
+    point.residual = s->at.residual;
+    point.iterations = s->at.iterations;
+    point.sum_rule = s->trace;
+    point.multiplier_count = s->rate_count;
+    memcpy(point.state, s->state, (size_t)r->n * sizeof *s->state);
     for (int k = 0; k < r->n; k++)
-        point->multipliers[k] = k < s->rate_count
-                                    ? (saltus_multiplier){s->rates[k].re, s->rates[k].im, s->rates[k].re}
-                                    : (saltus_multiplier){NAN, NAN, NAN};
+        point.multipliers[k] = k < s->rate_count
+                                   ? (saltus_multiplier){s->rates[k].re, s->rates[k].im, s->rates[k].re}
+                                   : (saltus_multiplier){NAN, NAN, NAN};
     for (int k = 0; k < s->rate_count; k++)
-        point->log_volume += s->rates[k].re;
+        point.log_volume += s->rates[k].re;
     for (int f = 0; f < r->system->face_count; f++)
         if (s->contacts >> f & 1)
-            point->contact_force = fmin(point->contact_force, s->force[f]);
-    snprintf(point->label, sizeof point->label, "%s", label_of(s->contacts));
-    status = saltus_trail_give(trail, r->system, &what, message);
-    if (touches || (what.grazing && point->kind == SALTUS_POINT_BE)) {
-        const saltus_face f = r->system->faces[touches ? special->face : what.grazing->face];
-        point->grazing_time = 0;
-        point->grazing_stop = f.stop + 1;
-        point->grazing_side = f.side;
-    }
-    return status;
+            point.contact_force = fmin(point.contact_force, s->force[f]);
+    snprintf(point.label, sizeof point.label, "%s", label_of(s->contacts));
+    if (touches)
+        saltus_point_mark_grazing(r->system, &touch, &point);
+    return saltus_trail_give(trail, r->system, &point, &what, message);
 }
 
 /* False, and the branch is not followed on, without memory. */
@@ -188,9 +182,9 @@ static saltus_zero find_zero(sought *a) {
     saltus_equilibria *e = a->e;
     saltus_zero zero = {.ahead = e->next->at.ahead, .accuracy = INFINITY};
     double width = 0, value[3], off = apart;
-    const double near = value_at(a, e->here), far = value_at(a, e->next);
-    if (far != 0 && !saltus_curve_zero(e->rests.solver, value_ahead, a, near, e->next->at.ahead, far,
-                                       &zero.ahead, &width))
+    const double ends[] = {0, e->next->at.ahead}, values[] = {value_at(a, e->here), value_at(a, e->next)};
+    if (values[1] != 0 &&
+        !saltus_curve_zero(e->rests.solver, value_ahead, a, ends, values, &zero.ahead, &width))
         return zero;
     /* The possible rounding error in arclength, from the scatter of points beside it. */
     if (value_ahead(a, zero.ahead - apart, &value[0]) && value_ahead(a, zero.ahead, &value[1]) &&

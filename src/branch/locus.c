@@ -248,32 +248,30 @@ static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_p
     int returns;
     if (!l->trail->following)
         return SALTUS_OK;
-    saltus_branch_point *point = saltus_trail_place(l->trail, message);
-    if (!point)
-        return SALTUS_NO_MEMORY;
-    saltus_status status = saltus_point_make(&l->x.orbits, s, grazing, point, &returns, message);
+    saltus_branch_point point;
+    saltus_status status = saltus_point_make(&l->x.orbits, s, grazing, &point, &returns, message);
     if (status != SALTUS_OK)
         return status;
-    point->locus = l->x.kind;
-    point->value[1] = l->origin[1] + family->unit[1] * s->parameter[1];
+    point.locus = l->x.kind;
+    point.value[1] = l->origin[1] + family->unit[1] * s->parameter[1];
     /* A point on a border of the range gets the exact value of the border. */
     for (int k = 0; k < 4; k++) {
         const int d = k / 2, side = k % 2;
         const double value = side ? options->high[d] : options->low[d];
         if (s->parameter[d] != l->border[d][side])
             continue;
-        point->spec = saltus_spec_shifted(&point->spec, &family->direction[d], value - point->value[d]);
-        point->value[d] = value;
+        point.spec = saltus_spec_shifted(&point.spec, &family->direction[d], value - point.value[d]);
+        point.value[d] = value;
     }
-    point->heading = plane_of(l, p->at.tangent)[0] * family->unit[0];
+    point.heading = plane_of(l, p->at.tangent)[0] * family->unit[0];
     if (grazing)
-        point->admissible = breach < 1e-9;
+        point.admissible = breach < 1e-9;
     if (grazes) {
         const saltus_mark *own = &s->sequence.mark[l->x.mark];
         const saltus_breach touch = {.face = own->face, .time = own->time};
-        saltus_point_mark_grazing(&l->x.orbits, &touch, point);
+        saltus_point_mark_grazing(l->x.orbits.system, &touch, &point);
     }
-    return saltus_trail_give(l->trail, l->x.orbits.system, &what, message);
+    return saltus_trail_give(l->trail, l->x.orbits.system, &point, &what, message);
 }
 
 /* Whether the last step, from what is now `next` to `here`, has passed the first point in its direction. */
@@ -802,28 +800,21 @@ static void archive_corners(saltus_locus *l, saltus_archive *a) {
 
 saltus_status saltus_locus_archive(saltus_locus *l, saltus_archive *a, saltus_message *message) {
     saltus_archive_orbits(a, &l->x.orbits);
-    /* The start of the current curve, and the directions from there. */
+    /* The start of the current curve, and how many directions from there are begun. */
     const saltus_point_kind kind = saltus_locus_start_kind(a, l->x.kind);
     a->sound = a->sound && kind != SALTUS_POINT_HB;
     const bool mirrored = saltus_archive_flag(a, l->x.mirrored);
     if (a->reading)
         become(l, kind, mirrored);
     l->begun_at = saltus_archive_kind(a, l->begun_at);
-    saltus_archive_flag(a, is_one_way(l));
     l->way_count = (int)saltus_archive_whole(a, l->way_count, 1, 2);
     l->way = (int)saltus_archive_whole(a, l->way, 1, l->way_count);
-    for (int k = 0; k < l->way_count; k++)
-        saltus_archive_whole(a, heading_of(l, k), -1, 1);
-    /* Its first point: sequence, unknowns, place in the plane, and the direction in which the curve left. */
+    /* Its first point: sequence, unknowns, and the direction in which the curve left. */
     saltus_archive_sequence(a, &l->first);
     l->first_mark = (int)saltus_archive_whole(a, l->first_mark, 0, SALTUS_MARKS_MAX - 1);
     a->sound = a->sound && (kind != SALTUS_POINT_GR || l->first_mark < l->first.count);
     const size_t count = (size_t)saltus_sequence_unknowns(&l->first, a->n);
     saltus_archive_array(a, &l->beginning, count + 2 + (size_t)l->x.extra);
-    double place[2] = {0};
-    if (!a->reading)
-        memcpy(place, l->beginning + count, sizeof place);
-    saltus_archive_finite(a, place, 2);
     saltus_archive_finite(a, l->first_way, 2);
     l->has_left = saltus_archive_flag(a, l->has_left);
     archive_corners(l, a);

@@ -257,8 +257,7 @@ static bool find_zero(search *s, int k, const sample *a, const sample *b, struct
     }
     if (zero->crosses)
         return true;
-    if (loud &&
-        saltus_curve_zero_between(x->orbits.solver, corner_at, s, ends, values, &zero->place, &width)) {
+    if (loud && saltus_curve_zero(x->orbits.solver, corner_at, s, ends, values, &zero->place, &width)) {
         zero->tolerance = s->tolerance;
         return true;
     }

@@ -253,10 +253,10 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     return s->sequence.omega > 0 ? from_maximum(o, s, found, point, returns, message) : status;
 }
 
-void saltus_point_mark_grazing(const saltus_orbits *o, const saltus_breach *breach,
+void saltus_point_mark_grazing(const saltus_system *system, const saltus_breach *breach,
                                saltus_branch_point *point) {
-    saltus_face face = saltus_system_face(o->system, breach->face);
-    double time = fmod(breach->time, point->periods);
+    saltus_face face = saltus_system_face(system, breach->face);
+    double time = point->periods ? fmod(breach->time, point->periods) : 0;
     if (time < 0)
         time += point->periods;
     /* A sum just below zero may round to the whole. */

@@ -20,8 +20,8 @@ saltus_status saltus_point_open(saltus_branch_point *point, int dimension, int e
  * flow. */
 saltus_status saltus_point_make(saltus_orbits *orbits, const saltus_solution *solution, bool prescribed,
                                 saltus_branch_point *point, int *returns, saltus_message *message);
-/* Record a breach as the touch at grazing. */
-void saltus_point_mark_grazing(const saltus_orbits *orbits, const saltus_breach *breach,
+/* Record a breach as the touch at grazing, or of an equilibrium. */
+void saltus_point_mark_grazing(const saltus_system *system, const saltus_breach *breach,
                                saltus_branch_point *point);
 
 #endif

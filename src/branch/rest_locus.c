@@ -261,9 +261,9 @@ static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message)
     for (int k = 0; k < SALTUS_REST_TESTS; k++) {
         sought s = {l, k};
         saltus_special own = {.kind = tests[l->rests.special.kind][k].kind};
-        const double near = l->here.tests[k], far = l->next.tests[k];
-        if (near * far < 0 && saltus_curve_zero(l->rests.solver, value_ahead, &s, near, l->next.at.ahead, far,
-                                                &own.ahead, &width))
+        const double ends[] = {0, l->next.at.ahead}, values[] = {l->here.tests[k], l->next.tests[k]};
+        if (values[0] * values[1] < 0 &&
+            saltus_curve_zero(l->rests.solver, value_ahead, &s, ends, values, &own.ahead, &width))
             count = saltus_special_insert(own, found, count);
     }
     for (int i = 0; i < count && status == SALTUS_OK && l->trail->following; i++) {
@@ -369,11 +369,8 @@ saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a,
     l->way = (int)saltus_archive_whole(a, l->way, 0, l->way_count);
     saltus_archive_real(a, &l->rests.special.square);
     saltus_archive_real(a, &l->first_square);
-    for (int k = 0; k < SALTUS_REST_TESTS; k++) {
-        saltus_archive_kind(a, tests[l->rests.special.kind][k].kind);
-        saltus_archive_flag(a, tests[l->rests.special.kind][k].ends);
+    for (int k = 0; k < SALTUS_REST_TESTS; k++)
         saltus_archive_real(a, &l->here.tests[k]);
-    }
     saltus_rest *here = &l->here;
     saltus_status status = saltus_archive_rest(a, &l->rests, here, message);
     if (status == SALTUS_OK && a->sound)

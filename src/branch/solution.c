@@ -476,7 +476,7 @@ saltus_zero saltus_solution_zero_between(saltus_orbits *o, saltus_test test, dou
     if (to && saltus_orbits_noted(o, saltus_curve_copy(&to->at, &out->at) ? SALTUS_OK : SALTUS_NO_MEMORY) ==
                   SALTUS_OK)
         l.visited = to->at.ahead;
-    if (!saltus_curve_zero_between(o->solver, test_at, &l, ends, values, &zero.ahead, &width) ||
+    if (!saltus_curve_zero(o->solver, test_at, &l, ends, values, &zero.ahead, &width) ||
         visit(&l, zero.ahead) != SALTUS_OK)
         return zero;
     double unit = o->family.unit[0], slope = fabs(saltus_solution_heading(out)) * unit;

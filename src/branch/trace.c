@@ -39,10 +39,8 @@ saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltu
                                 saltus_message *message) {
     char reason[SALTUS_REASON_MAX];
     int returns;
-    saltus_branch_point *point = saltus_trail_place(t->trail, message);
-    if (!point)
-        return SALTUS_NO_MEMORY;
-    saltus_status status = saltus_point_make(&t->orbits, s, what.change, point, &returns, message);
+    saltus_branch_point point;
+    saltus_status status = saltus_point_make(&t->orbits, s, what.change, &point, &returns, message);
     if (status != SALTUS_OK)
         return status;
     const saltus_survey *before = &t->here->survey;
@@ -50,9 +48,9 @@ saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltu
      * on the orbit itself. */
     const bool told = what.grazing && s->survey.walked && s->sequence.count == t->here->sequence.count;
     if (what.change && !told && before->label[0]) {
-        saltus_solution_label(&t->orbits, t->here, point->label);
-        point->impacts = before->impacts;
-        point->sticking_intervals = before->sticking_intervals;
+        saltus_solution_label(&t->orbits, t->here, point.label);
+        point.impacts = before->impacts;
+        point.sticking_intervals = before->sticking_intervals;
     }
     /* Without forcing, an orbit may lose or gain a return to its section, such as a maximum, without any
      * change of the branch: the first point behind says so, and since which parameter value. */
@@ -64,10 +62,7 @@ saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltu
         t->returns = returns;
         t->counted = what.value != 0 ? what.value : s->value;
     }
-    status = saltus_trail_give(t->trail, t->orbits.system, &what, message);
-    if ((point->kind == SALTUS_POINT_GR || point->kind == SALTUS_POINT_BE) && what.grazing)
-        saltus_point_mark_grazing(&t->orbits, what.grazing, point);
-    return status;
+    return saltus_trail_give(t->trail, t->orbits.system, &point, &what, message);
 }
 
 saltus_status saltus_trace_end(saltus_trace *t, const saltus_solution *s, double ahead, const char *reason,
@@ -94,7 +89,8 @@ static int returns_at(saltus_trace *t, double ahead) {
 static saltus_status locate_returns(saltus_trace *t, int before, saltus_message *message) {
     enum { halvings = 60 };
     const double sharp = 1e-13;
-    const int last = t->trail->count - 1, after = t->returns;
+    const saltus_list *queue = &t->trail->queue;
+    const int last = queue->count - 1, after = t->returns;
     double low = 0;
     saltus_status status = SALTUS_OK;
     int count = returns_at(t, 0);
@@ -126,9 +122,9 @@ static saltus_status locate_returns(saltus_trace *t, int before, saltus_message 
     }
     t->returns = after;
     if (count == after && status == SALTUS_OK)
-        t->trail->queue[last].reason[0] = 0;
-    for (int k = last; k + 1 < t->trail->count; k++) {
-        saltus_branch_point *pair = &t->trail->queue[k], point = pair[0];
+        ((saltus_branch_point *)queue->items)[last].reason[0] = 0;
+    for (int k = last; k + 1 < queue->count; k++) {
+        saltus_branch_point *pair = (saltus_branch_point *)queue->items + k, point = pair[0];
         pair[0] = pair[1];
         pair[1] = point;
     }

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/trail.h"
 
+#include "branch/point.h"
 #include "orbit/lap.h"
 
 #include <float.h>
@@ -29,15 +30,15 @@ static double period_of(const saltus_branch_point *point) {
 }
 
 void saltus_trail_drop(saltus_trail *t) {
-    for (int k = t->next; k < t->count; k++)
-        saltus_branch_point_clear(&t->queue[k]);
-    t->count = t->next = 0;
+    saltus_branch_point point;
+    while (saltus_trail_take(t, &point))
+        saltus_branch_point_clear(&point);
 }
 
 void saltus_trail_clear(saltus_trail *t) {
     saltus_trail_drop(t);
     free(t->visited.items);
-    free(t->queue);
+    free(t->queue.items);
 }
 
 void saltus_trail_begin(saltus_trail *t, int number, int parent, int depth, bool fresh) {
@@ -57,20 +58,6 @@ bool saltus_trail_switches(const saltus_trail *t) {
 
 saltus_branch_start saltus_trail_leaving(const saltus_trail *t) {
     return (saltus_branch_start){.parent = t->number, .depth = t->depth + 1};
-}
-
-saltus_branch_point *saltus_trail_place(saltus_trail *t, saltus_message *message) {
-    if (t->count == t->room) {
-        const int room = t->room ? 2 * t->room : 8;
-        saltus_branch_point *grown = realloc(t->queue, (size_t)room * sizeof *grown);
-        if (!grown) {
-            saltus_branch_no_memory(message);
-            return NULL;
-        }
-        t->queue = grown;
-        t->room = room;
-    }
-    return &t->queue[t->count];
 }
 
 /* Sets of kinds. At `marginal` ones a multiplier is on the unit circle to rounding, or an eigenvalue on the
@@ -149,11 +136,16 @@ saltus_status saltus_trail_join(saltus_trail *t, const saltus_system *system, sa
     return status;
 }
 
-saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, const saltus_notice *what,
-                                saltus_message *message) {
+saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, saltus_branch_point *fresh,
+                                const saltus_notice *what, saltus_message *message) {
     const saltus_branch_options *o = t->options;
-    saltus_branch_point *point = &t->queue[t->count++];
+    saltus_branch_point *point = saltus_list_add(&t->queue, sizeof *point);
     saltus_status status = SALTUS_OK;
+    if (!point) {
+        saltus_branch_point_clear(fresh);
+        return saltus_branch_no_memory(message);
+    }
+    *point = *fresh;
     point->stable = point->stable && (point->locus || !(marginal >> what->kind & 1));
     point->kind = what->kind;
     point->branch = t->number;
@@ -173,15 +165,15 @@ saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, co
     const bool crosses = !point->locus && point->periods && point->kind == SALTUS_POINT_BP;
     const int earlier = kept ? find_visited(t, system, point) : -1;
     if ((kept && earlier < 0) || crosses) {
-        visited fresh = {.kind = point->kind,
-                         .branch = t->number,
-                         .periods = point->periods,
-                         .value = point->value[0],
-                         .period = period_of(point),
-                         .accuracy = isfinite(point->accuracy) ? point->accuracy : 0};
-        memcpy(fresh.label[0], point->label, SALTUS_LABEL_MAX);
-        memcpy(fresh.label[1], point->label_after, SALTUS_LABEL_MAX);
-        status = add_visited(t, &fresh, point->state, point->dimension, message);
+        visited own = {.kind = point->kind,
+                       .branch = t->number,
+                       .periods = point->periods,
+                       .value = point->value[0],
+                       .period = period_of(point),
+                       .accuracy = isfinite(point->accuracy) ? point->accuracy : 0};
+        memcpy(own.label[0], point->label, SALTUS_LABEL_MAX);
+        memcpy(own.label[1], point->label_after, SALTUS_LABEL_MAX);
+        status = add_visited(t, &own, point->state, point->dimension, message);
     }
     if (earlier >= 0) {
         point->kind = SALTUS_POINT_EP;
@@ -194,6 +186,8 @@ saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, co
         point->kind = SALTUS_POINT_EP;
         snprintf(point->reason, sizeof point->reason, "as many points as asked for");
     }
+    if ((point->kind == SALTUS_POINT_GR || point->kind == SALTUS_POINT_BE) && what->grazing)
+        saltus_point_mark_grazing(system, what->grazing, point);
     t->following = t->following && point->kind != SALTUS_POINT_EP;
     t->made++;
     return status;
@@ -215,20 +209,21 @@ void saltus_trail_jump(saltus_trail *t, double ahead) {
 }
 
 saltus_branch_point *saltus_trail_last(saltus_trail *t) {
-    return t->count ? &t->queue[t->count - 1] : NULL;
+    return t->queue.count ? (saltus_branch_point *)t->queue.items + t->queue.count - 1 : NULL;
 }
 
 void saltus_trail_drop_last(saltus_trail *t) {
-    saltus_branch_point_clear(&t->queue[--t->count]);
+    saltus_branch_point_clear(saltus_trail_last(t));
+    t->queue.count--;
     t->made--;
 }
 
 bool saltus_trail_take(saltus_trail *t, saltus_branch_point *point) {
-    if (t->next == t->count)
+    if (t->next == t->queue.count)
         return false;
-    *point = t->queue[t->next++];
-    if (t->next == t->count)
-        t->next = t->count = 0;
+    *point = ((saltus_branch_point *)t->queue.items)[t->next++];
+    if (t->next == t->queue.count)
+        t->next = t->queue.count = 0;
     return true;
 }
 

@@ -16,11 +16,11 @@ typedef struct saltus_trail {
     int made;                  /* all points of it so far */
     double arclength, shown;   /* present position; that of the last regular point */
     double step;
-    bool fresh;                 /* no step made since the branch was switched to */
-    bool following;             /* the branch has not ended */
-    saltus_list visited;        /* special points that were given out */
-    saltus_branch_point *queue; /* made but not yet given out */
-    int count, next, room;
+    bool fresh;          /* no step made since the branch was switched to */
+    bool following;      /* the branch has not ended */
+    saltus_list visited; /* special points that were given out */
+    saltus_list queue;   /* points made but not yet given out, */
+    int next;            /* from this one on */
 } saltus_trail;
 
 /* What a point says beyond what its solution tells. */
@@ -31,7 +31,7 @@ typedef struct saltus_notice {
     const char *after;             /* label beyond; NULL: none */
     double value;                  /* 0: the solution's */
     bool change;                   /* a change of events: label and counts are those of the orbit before it */
-    const saltus_breach *grazing;  /* the touch at grazing; NULL: not known */
+    const saltus_breach *grazing;  /* the touch, which a GR or BE tells; NULL: not known */
 } saltus_notice;
 
 /* Free the trail with the points that were not taken. A zeroed one is accepted. */
@@ -43,12 +43,11 @@ void saltus_trail_begin(saltus_trail *trail, int number, int parent, int depth, 
 /* Whether branches that leave the current one are followed too; and what their starts have in common. */
 bool saltus_trail_switches(const saltus_trail *trail);
 saltus_branch_start saltus_trail_leaving(const saltus_trail *trail);
-/* Room for the next point; NULL without memory. */
-saltus_branch_point *saltus_trail_place(saltus_trail *trail, saltus_message *message);
-/* Queue the point made there. A branch ends with a point of kind EP; it also ends if it comes to a special
- * point that was visited before, and when it has enough points. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_trail_give(saltus_trail *trail, const saltus_system *system, const saltus_notice *what,
-                                saltus_message *message);
+/* Queue a point, which then belongs to the trail. A branch ends with a point of kind EP; it also ends if it
+ * comes to a special point that was visited before, and when it has enough points. Errors:
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_trail_give(saltus_trail *trail, const saltus_system *system, saltus_branch_point *fresh,
+                                const saltus_notice *what, saltus_message *message);
 /* The place, counted from 1, at which a special point of this kind and period lies on another branch, at an
  * orbit with these section points (`count`, each a state); 0: none. `joined`: only places at which branches
  * join another one on which they were not; *branch (may be NULL) becomes the number of the branch. */
