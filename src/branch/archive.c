@@ -241,18 +241,14 @@ saltus_status saltus_archive_rest(saltus_archive *a, saltus_rests *r, saltus_res
                                   saltus_message *message) {
     const unsigned contacts = faces_held(a, r->contacts);
     const int held = saltus_count_bits(contacts);
-    double state[SALTUS_STATE_MAX] = {0};
     saltus_archive_point(a, &rest->at);
+    saltus_archive_finite(a, rest->state, (size_t)a->n);
     a->sound = a->sound && rest->at.unknowns == r->width + held + r->family.parameters;
     if (!a->sound)
         return SALTUS_OK;
-    for (int i = 0; i < r->width; i++) {
-        const int entry = i < r->dof ? i : i + r->dof;
-        state[entry] = rest->at.u[i] * r->state_scale[entry];
-    }
     saltus_status status = SALTUS_OK;
     if (a->reading)
-        status = saltus_rests_shape(r, contacts, state, rest->at.u + r->width + held, message);
+        status = saltus_rests_shape(r, contacts, rest->state, rest->at.u + r->width + held, message);
     if (status != SALTUS_OK)
         return status;
     saltus_archive_finite(a, r->row_scale, (size_t)r->width);

@@ -258,8 +258,7 @@ bool saltus_boundary_is_near(const saltus_solution *here, const saltus_solution 
 static saltus_status cut_in_flight(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
                                    double *state) {
     const double time = saltus_sequence_amid_flight(&s->sequence);
-    int order[SALTUS_MARKS_MAX];
-    saltus_sequence_turn(&s->sequence, time, 1, fresh, order);
+    saltus_sequence_turn(&s->sequence, time, 1, fresh, NULL);
     return saltus_solution_state_at(o, s, time, state, NULL);
 }
 

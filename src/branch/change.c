@@ -72,7 +72,7 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *
     const double slow = 1e-5, close = 1e-4;
     bool gone[SALTUS_MARKS_MAX] = {false};
     saltus_sequence less;
-    int order[SALTUS_MARKS_MAX], ones = 0, both = 0;
+    int ones = 0, both = 0;
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
     saltus_shooting *shooting = NULL;
     *doubled = false;
@@ -81,7 +81,7 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *
     for (int k = 0; k < at->breach_count; k++)
         if (at->breaches[k].kind == SALTUS_BREACH_SPEED && fabs(at->breaches[k].value) < slow)
             gone[at->breaches[k].mark] = true;
-    saltus_sequence_without(&at->sequence, gone, &less, order);
+    saltus_sequence_without(&at->sequence, gone, &less, NULL);
     saltus_status status = saltus_orbits_evaluate(o, &less, at->parameter, at->state, &shooting, NULL);
     const int count = status == SALTUS_OK ? saltus_corner_multipliers(shooting, o->n, re, im) : 0;
     for (int k = 0; k < count; k++) {

@@ -280,10 +280,7 @@ bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b
     return false;
 }
 
-/* The sequence of an orbit without the grazing impact that is followed and its mirror image, and where its
- * marks stood. */
-static saltus_sequence take_out(const saltus_extended *x, const saltus_solution *s,
-                                int order[SALTUS_MARKS_MAX]) {
+saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s, int *order) {
     bool gone[SALTUS_MARKS_MAX] = {false};
     saltus_sequence less;
     for (int k = 0; k < s->breach_count; k++)
@@ -293,17 +290,12 @@ static saltus_sequence take_out(const saltus_extended *x, const saltus_solution 
     return less;
 }
 
-saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s) {
-    int order[SALTUS_MARKS_MAX];
-    return take_out(x, s, order);
-}
-
 /* Evaluate an orbit without the grazing impact by a separate shooting, which the caller frees in any case.
  * The states at all cuts stay: along long orbits perturbations grow too much for one segment. */
 static saltus_status evaluate_without(const saltus_extended *x, const saltus_solution *s,
                                       saltus_shooting **shooting, saltus_message *message) {
     int order[SALTUS_MARKS_MAX];
-    const saltus_sequence less = take_out(x, s, order);
+    const saltus_sequence less = saltus_corner_without(x, s, order);
     saltus_status status = saltus_shooting_new(&x->orbits.family, &x->orbits.options, shooting, message);
     if (status == SALTUS_OK)
         status = saltus_shooting_shape(*shooting, &less, message);
@@ -406,7 +398,7 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
 static saltus_status is_branch_point(const saltus_extended *x, const saltus_solution *s, bool without,
                                      bool *branches, saltus_message *message) {
     const double across = 1e-8;
-    saltus_sequence sequence = without ? saltus_corner_without(x, s) : s->sequence;
+    saltus_sequence sequence = without ? saltus_corner_without(x, s, NULL) : s->sequence;
     saltus_shooting *shooting = NULL;
     double value, *a = NULL;
     *branches = false;

@@ -130,7 +130,8 @@ saltus_status saltus_curve_leaving(saltus_equations *e, const double *u, const d
         length = hypot(length, leaving[j] = other[j] - (told ? 0.5 * form[1] / form[0] : 0) * one[j]);
     for (int j = 0; j < m && status == SALTUS_OK; j++)
         leaving[j] /= length;
-    *singular = values[1];
+    if (singular)
+        *singular = values[1];
     free(a);
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : status;
 }

@@ -84,8 +84,8 @@ double saltus_curve_interpolate(const double *x, const double *y, int count);
 
 /* The unit tangent `leaving` of the other of two curves that cross at u, where the second-order terms of the
  * equations, projected on their left null vector, vanish along two directions in the null plane (Keller,
- * 1977): `along`, the first one's tangent, and that. *singular: the singular value that is zero at a
- * crossing. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE, those of the evaluation. */
+ * 1977): `along`, the first one's tangent, and that. *singular (may be NULL): the singular value that is zero
+ * at a crossing. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE, those of the evaluation. */
 saltus_status saltus_curve_leaving(saltus_equations *equations, const double *u, const double *along,
                                    double *leaving, double *singular, saltus_message *message);
 

@@ -247,12 +247,11 @@ static saltus_branch_start leaving(const saltus_equilibria *e, const saltus_rest
 static void leave(saltus_equilibria *e, const saltus_rest *at) {
     saltus_rests *r = &e->rests;
     const double nothing[SALTUS_STATE_MAX] = {0};
-    double singular;
     const bool mirrored = r->system->mirror && saltus_system_distance(r->system, at->state, nothing) < 1e-7;
     saltus_branch_start start = leaving(e, at, SALTUS_POINT_BP);
     start.unknowns = r->n + 1; /* as many as an orbit's; those beyond m are unused */
     saltus_status status =
-        saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, start.tangent, &singular, NULL);
+        saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, start.tangent, NULL, NULL);
     if (status == SALTUS_OK)
         status = saltus_starts_add_ways(&e->starts, &start, mirrored, NULL);
     saltus_rests_noted(r, status);

@@ -26,11 +26,10 @@ static saltus_status evaluate_without(const shorter *s, saltus_shooting **shooti
     const saltus_orbits *o = &s->x.orbits;
     bool gone[SALTUS_MARKS_MAX] = {false};
     saltus_sequence sequence, less;
-    int order[SALTUS_MARKS_MAX];
     double state[SALTUS_STATE_MAX];
     saltus_shooting_extract(o->shooting, s->at.u, &sequence, state);
     gone[s->x.mark] = true;
-    saltus_sequence_without(&sequence, gone, &less, order);
+    saltus_sequence_without(&sequence, gone, &less, NULL);
     return saltus_orbits_evaluate(o, &less, s->at.u + o->equations->count, state, shooting, message);
 }
 

@@ -140,11 +140,10 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
  * that are their own mirror images (1), whichever is nearer; 0: neither. */
 static int may_join(saltus_extended *x, const saltus_solution *s) {
     const double are = 1e-6;
-    bool shift;
     if ((x->kind != SALTUS_POINT_LP && x->kind != SALTUS_POINT_NS) || x->mirrored || s->sequence.count % 2)
         return 0;
     const bool halves = s->sequence.periods % 2 == 0;
-    if (x->kind == SALTUS_POINT_LP && saltus_system_mirror_symmetric(x->orbits.system, &shift)) {
+    if (x->kind == SALTUS_POINT_LP && x->orbits.system->mirror) {
         const double image = saltus_locus_distance(x, s, 1);
         if (image > are && !(halves && saltus_locus_distance(x, s, 2) < image))
             return 1;

@@ -97,11 +97,10 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
     const double alike = 1e-6;
     saltus_orbits *o = &l->x.orbits;
     saltus_sequence sequence = start->sequence;
-    bool shift, breaks = start->kind == SALTUS_POINT_BP;
+    const bool breaks = start->kind == SALTUS_POINT_BP;
     saltus_status status =
         saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->here.orbit, message);
-    const bool may_mirror =
-        breaks || start->kind == SALTUS_POINT_GR || saltus_system_mirror_symmetric(o->system, &shift);
+    const bool may_mirror = breaks || start->kind == SALTUS_POINT_GR || o->system->mirror;
     if (status == SALTUS_OK && !start->leaves && may_mirror &&
         saltus_solution_half_distance(o, &l->here.orbit, true) < (breaks ? 1e-3 : alike))
         become(l, start->kind, true);
@@ -151,11 +150,10 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
 static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
     const double rest = 1e-9, zero[SALTUS_STATE_MAX] = {0};
     const saltus_orbits *o = &l->x.orbits;
-    bool shift;
     /* Small cycles around a rest that is its own mirror image are theirs, too. */
     const bool small = start->origin == SALTUS_POINT_GH,
-               mirrored = small && saltus_system_mirror_symmetric(o->system, &shift) &&
-                          saltus_system_distance(o->system, start->state, zero) < rest;
+               mirrored =
+                   small && o->system->mirror && saltus_system_distance(o->system, start->state, zero) < rest;
     become(l, start->kind, mirrored);
     l->x.mark = start->mark;
     l->begun_at = start->origin;

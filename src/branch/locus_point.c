@@ -231,10 +231,8 @@ double saltus_locus_distance(saltus_extended *x, const saltus_solution *s, int p
 }
 
 double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, int *parts) {
-    bool shift;
     /* What forces may have that symmetry, and orbits that only graze, where stops or impacts have not. */
-    const bool mirrors = !x->mirrored && (x->kind == SALTUS_POINT_GR ||
-                                          saltus_system_mirror_symmetric(x->orbits.system, &shift));
+    const bool mirrors = !x->mirrored && (x->kind == SALTUS_POINT_GR || x->orbits.system->mirror);
     int nearest = 2;
     double least = INFINITY;
     for (int k = 1, left = s->sequence.periods; k <= (left > 2 ? left : 2); k++) {

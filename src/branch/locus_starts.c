@@ -112,7 +112,7 @@ int saltus_locus_starts_grazing(saltus_orbits *o, const saltus_solution *at, con
     for (int k = 0; k < at->breach_count; k++)
         if (at->breaches[k].kind == SALTUS_BREACH_SPEED)
             touches[count++] = at->breaches[k];
-    saltus_sequence_graze(&at->sequence, touches, count, &less, order);
+    saltus_sequence_graze(&at->sequence, touches, count, &less, NULL);
     less.periods = periods;
     while (less.count > 0 && less.mark[less.count - 1].time >= less.base + periods)
         less.count--;
@@ -139,9 +139,8 @@ int saltus_locus_starts_grazing(saltus_orbits *o, const saltus_solution *at, con
 /* A sequence without one of its marks; returns the new index of another one. */
 static int without_mark(const saltus_sequence *old, int gone, int mark, saltus_sequence *fresh) {
     bool dead[SALTUS_MARKS_MAX] = {false};
-    int order[SALTUS_MARKS_MAX];
     dead[gone] = true;
-    saltus_sequence_without(old, dead, fresh, order);
+    saltus_sequence_without(old, dead, fresh, NULL);
     return mark - (gone < mark);
 }
 
@@ -252,7 +251,7 @@ static int special_curves(saltus_extended *x, const saltus_locus_test *corner, s
     starts[0].kind = grazes ? special : SALTUS_POINT_GR;
     starts[0].one_way = grazes;
     starts[0].mark = grazes ? 0 : mark;
-    starts[0].sequence = grazes && without ? saltus_corner_without(x, at) : whole;
+    starts[0].sequence = grazes && without ? saltus_corner_without(x, at, NULL) : whole;
     /* The branch points of orbits with impacts need a symmetric scene. */
     const int count = !grazes || special != SALTUS_POINT_BP || without || x->orbits.system->mirror;
     /* Of orbits that close after fewer periods there it is not the flip. */

@@ -124,8 +124,7 @@ saltus_status saltus_rest_locus_open(saltus_rest_locus *l, const saltus_spec *sp
     const saltus_branch_options *options = l->trail->options;
     saltus_rests *r = &l->rests;
     l->way_count = options->direction ? 1 : 2;
-    l->ways[0] = options->direction < 0 ? -1 : 1;
-    l->ways[1] = -1;
+    l->first_way = options->direction < 0 ? -1 : 1;
     l->way = first ? 0 : l->way_count;
     saltus_status status = saltus_branch_family(spec, options, 2, &r->family, r->origin, l->border, message);
     if (status == SALTUS_OK)
@@ -167,7 +166,7 @@ static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
     at->bent = false;
     at->ahead = 0;
     l->rests.special.square = l->first_square;
-    if (l->ways[l->way++] < 0)
+    if (l->way++ > 0 || l->first_way < 0)
         saltus_curve_turn(at);
     saltus_status status = renew(l, at->u, message);
     if (status == SALTUS_OK)
@@ -228,8 +227,7 @@ static saltus_status switch_to(saltus_rest_locus *l, saltus_locus_start *start, 
          isfinite(saltus_rests_pair(&l->rests, aside->at.u, l->rests.special.square, &square)) && square > 0);
     l->way = 0;
     l->way_count = through ? 2 : 1;
-    l->ways[0] = pairs ? 1 : -1;
-    l->ways[1] = -1;
+    l->first_way = pairs ? 1 : -1;
     return begin(l, message);
 }
 
@@ -364,8 +362,7 @@ saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a,
     a->sound = a->sound && kinds >> l->rests.special.kind & 1;
     l->rests.special.face = (int)saltus_archive_whole(a, l->rests.special.face, -1, a->faces - 1);
     l->way_count = (int)saltus_archive_whole(a, l->way_count, 1, 2);
-    for (int k = 0; k < 2; k++)
-        l->ways[k] = (int)saltus_archive_whole(a, l->ways[k], -1, 1);
+    l->first_way = (int)saltus_archive_whole(a, l->first_way, -1, 1);
     l->way = (int)saltus_archive_whole(a, l->way, 0, l->way_count);
     saltus_archive_real(a, &l->rests.special.square);
     saltus_archive_real(a, &l->first_square);

@@ -17,7 +17,8 @@ typedef struct saltus_rest_locus {
     double beginning[2 * SALTUS_REST_UNKNOWNS_MAX]; /* unknowns and tangent of the first point */
     double first_square;
     double border[2][2]; /* of both parameter unknowns: low, high */
-    int ways[2], way_count, way;
+    int first_way, way_count,
+        way; /* of the tangent's two ways: the first, how many, and how many are begun */
 } saltus_rest_locus;
 
 /* A locus through a special equilibrium of a branch in the first parameter; NULL: none, if it is to begin at

@@ -16,7 +16,8 @@ void saltus_sequence_without(const saltus_sequence *old, const bool gone[SALTUS_
     fresh->count = 0;
     for (int k = 0; k < old->count; k++)
         if (!gone[k]) {
-            order[fresh->count] = k;
+            if (order)
+                order[fresh->count] = k;
             fresh->mark[fresh->count++] = old->mark[k];
         }
 }
@@ -24,7 +25,8 @@ void saltus_sequence_without(const saltus_sequence *old, const bool gone[SALTUS_
 const char *saltus_sequence_graze(const saltus_sequence *old, const saltus_breach *breaches, int count,
                                   saltus_sequence *fresh, int *order) {
     bool dies[SALTUS_MARKS_MAX] = {false};
-    int born = 0;
+    int born = 0, unasked[SALTUS_MARKS_MAX];
+    order = order ? order : unasked;
     for (int k = 0; k < count; k++)
         if (breaches[k].kind == SALTUS_BREACH_SPEED && fabs(breaches[k].value) < together)
             dies[breaches[k].mark] = true;
@@ -238,7 +240,8 @@ static bool cuts_are_tight(const saltus_sequence *s) {
 
 void saltus_sequence_turn(const saltus_sequence *old, double base, int cuts, saltus_sequence *fresh,
                           int *order) {
-    rotate(old, base, fresh, order);
+    int unasked[SALTUS_MARKS_MAX];
+    rotate(old, base, fresh, order ? order : unasked);
     cut_evenly(fresh, cuts);
 }
 
@@ -257,6 +260,12 @@ bool saltus_sequence_reframe(const saltus_sequence *old, const double *speed, in
     return trimmed || base != old->base || fresh->cuts > old->cuts || cuts_are_tight(old);
 }
 
+/* A number that belongs to a mark now, from those that belonged to the marks before; 0 for a new one. */
+static double carried(const double *numbers, const int *order, int mark) {
+    const int former = order ? order[mark] : mark;
+    return former < 0 ? 0 : numbers[former];
+}
+
 void saltus_sequence_carry(const saltus_sequence *old, const double *vector, const saltus_sequence *fresh,
                            const int *order, int n, int parameters, double *out) {
     const double *old_times = vector + old->cuts * n;
@@ -272,9 +281,9 @@ void saltus_sequence_carry(const saltus_sequence *old, const double *vector, con
     const bool adrift = fresh->omega > 0 && old->base != fresh->base;
     double later = 0;
     for (int k = 0; k < fresh->count && adrift; k++)
-        later += order[k] < 0 ? 0 : old_times[order[k]] / fresh->count;
+        later += carried(old_times, order, k) / fresh->count;
     for (int k = 0; k < fresh->count; k++)
-        times[k] = order[k] < 0 ? 0 : old_times[order[k]] - later;
+        times[k] = order && order[k] < 0 ? 0 : carried(old_times, order, k) - later;
     int others = parameters + (fresh->omega > 0);
     for (int d = 0; d < others; d++)
         times[fresh->count + d] = old_times[old->count + d];

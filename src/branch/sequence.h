@@ -1,7 +1,7 @@
 /* Private: edits of event sequences. Nothing here computes an orbit.
  *
- * Every edit gives in `order` the former index of each mark of the new sequence, -1 for new ones, so that
- * what belongs to a mark can follow it.
+ * Every edit gives in `order` (may be NULL) the former index of each mark of the new sequence, -1 for new
+ * ones, so that what belongs to a mark can follow it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_SEQUENCE_H
 #define SALTUS_BRANCH_SEQUENCE_H
@@ -48,8 +48,8 @@ bool saltus_sequence_reframe(const saltus_sequence *old, const double *speed, in
                              saltus_sequence *fresh, int *order);
 
 /* Convert a vector of the old sequence's unknowns (states of n numbers, times, `parameters`) to those of the
- * new sequence; what has no counterpart is zero. If the period is an unknown and the base moves, only
- * differences of the times are kept, which do not depend on the base. */
+ * new sequence; what has no counterpart is zero. Without `order` the marks are the same. If the period is an
+ * unknown and the base moves, only differences of the times are kept, which do not depend on the base. */
 void saltus_sequence_carry(const saltus_sequence *old, const double *vector, const saltus_sequence *fresh,
                            const int *order, int n, int parameters, double *out);
 

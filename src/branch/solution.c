@@ -232,8 +232,7 @@ static saltus_status walk_in_pieces(saltus_orbits *o, saltus_solution *s, saltus
     saltus_lap lap = {.keeps_events = true};
     saltus_shooting *shooting = NULL;
     double *u;
-    int order[SALTUS_MARKS_MAX];
-    saltus_sequence_turn(&s->sequence, s->sequence.base, SALTUS_CUTS_MAX, &pieces, order);
+    saltus_sequence_turn(&s->sequence, s->sequence.base, SALTUS_CUTS_MAX, &pieces, NULL);
     if (pieces.cuts <= s->sequence.cuts)
         return SALTUS_OK;
     saltus_status status = saltus_orbits_shoot(o, &pieces, s->parameter, s->state, &shooting, &u, message);

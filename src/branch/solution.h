@@ -7,6 +7,7 @@
 #include "branch/curve.h"
 #include "orbit/multipliers.h"
 #include "orbit/shooting.h"
+#include "system/system.h"
 
 #include <math.h>
 

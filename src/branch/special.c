@@ -354,8 +354,7 @@ saltus_status saltus_special_between(saltus_orbits *o, saltus_orbits *own, const
                                      bool mirrored, saltus_solution *between) {
     const double *scale = saltus_shooting_scale(o->shooting), half = 0.5 * at->sequence.periods;
     const int marks = at->sequence.count / 2;
-    double state[SALTUS_STATE_MAX], apart[SALTUS_STATE_MAX], singular;
-    int order[SALTUS_MARKS_MAX];
+    double state[SALTUS_STATE_MAX], apart[SALTUS_STATE_MAX];
     saltus_sequence sequence = at->sequence;
     if (!isfinite(saltus_solution_part_distance(o, at, mirrored ? 1 : 2, apart)))
         return SALTUS_NO_CONVERGENCE;
@@ -379,10 +378,8 @@ saltus_status saltus_special_between(saltus_orbits *o, saltus_orbits *own, const
     double *along = calloc((size_t)between->at.unknowns, sizeof *along);
     if (!along)
         return SALTUS_NO_MEMORY;
-    for (int k = 0; k < sequence.count; k++)
-        order[k] = k;
-    saltus_sequence_carry(&at->sequence, at->at.tangent, &sequence, order, o->n, 1, along);
-    status = saltus_curve_leaving(own->equations, between->at.u, along, between->at.tangent, &singular, NULL);
+    saltus_sequence_carry(&at->sequence, at->at.tangent, &sequence, NULL, o->n, 1, along);
+    status = saltus_curve_leaving(own->equations, between->at.u, along, between->at.tangent, NULL, NULL);
     free(along);
     return status;
 }
@@ -430,8 +427,7 @@ static saltus_zero zero_between_halves(saltus_orbits *o, const saltus_solution *
  * those that are their own mirror images. */
 static bool joins(saltus_orbits *o, const saltus_solution *from, const saltus_solution *at, bool mirrored,
                   saltus_special *special) {
-    bool shift;
-    if (mirrored && !saltus_system_mirror_symmetric(o->system, &shift))
+    if (mirrored && !o->system->mirror)
         return false;
     const double apart = saltus_solution_half_distance(o, at, mirrored), unit = o->family.unit[0],
                  before = saltus_solution_half_distance(o, from, mirrored);

@@ -58,9 +58,7 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
                                   const saltus_branch_start *like, saltus_starts *starts,
                                   saltus_message *message) {
     const bool flips = kind == SALTUS_POINT_PD;
-    bool shift;
-    const bool pitchfork = flips || saltus_system_mirror_symmetric(o->system, &shift);
-    int order[SALTUS_MARKS_MAX];
+    const bool pitchfork = flips || o->system->mirror;
     double plane[2 * SALTUS_START_UNKNOWNS_MAX], values[2], old[SALTUS_START_UNKNOWNS_MAX];
     saltus_shooting *shooting = NULL;
     saltus_branch_start start = *like;
@@ -76,10 +74,8 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     saltus_shooting_free(shooting);
     if (status != SALTUS_OK)
         return status;
-    for (int k = 0; k < SALTUS_MARKS_MAX; k++)
-        order[k] = k;
     if (!pitchfork)
-        saltus_sequence_carry(&at->sequence, at->at.tangent, &start.sequence, order, o->n, 1, old);
+        saltus_sequence_carry(&at->sequence, at->at.tangent, &start.sequence, NULL, o->n, 1, old);
     start.parameter = at->parameter[0];
     memcpy(start.state, at->state, sizeof start.state);
     start.unknowns = saltus_sequence_unknowns(&start.sequence, o->n) + 1;

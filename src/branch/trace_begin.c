@@ -95,7 +95,6 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
     saltus_solution *here = t->here;
     saltus_sequence sequence = start->sequence;
     saltus_status status = SALTUS_NO_CONVERGENCE;
-    int order[SALTUS_MARKS_MAX];
     const double visible = 1e-7; /* in half an orbit; the other half adds to it */
     double growth = 0;
     if (is_small(start)) {
@@ -109,7 +108,7 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
     o->equations->bold = start->parent < 0;
     for (int cuts = 1; cuts <= most && status != SALTUS_OK && status != SALTUS_NO_MEMORY; cuts *= 2) {
         if (cuts > 1)
-            saltus_sequence_turn(&start->sequence, start->sequence.base, cuts, &sequence, order);
+            saltus_sequence_turn(&start->sequence, start->sequence.base, cuts, &sequence, NULL);
         status =
             saltus_solution_place(o, &sequence, &start->parameter, start->state, !start->unknowns, here, why);
         if (cuts > 1 && status == SALTUS_NO_CONVERGENCE && isfinite(o->equations->size))

@@ -122,7 +122,6 @@ saltus_status saltus_trace_follow_joined(saltus_trace *t, const saltus_solution 
     saltus_branch_start start = saltus_trail_leaving(t->trail);
     saltus_orbits own = {.family = o->family, .origin = o->origin, .options = o->options};
     saltus_solution between = {.value = 0};
-    int order[SALTUS_MARKS_MAX];
     if (!saltus_trail_switches(t->trail))
         return SALTUS_OK;
     saltus_status status = saltus_orbits_open(&own, NULL);
@@ -131,7 +130,7 @@ saltus_status saltus_trace_follow_joined(saltus_trace *t, const saltus_solution 
     if (status == SALTUS_OK)
         status = saltus_solution_walk(&own, &between, NULL);
     if (status == SALTUS_OK && between.survey.walked) {
-        saltus_sequence_turn(&between.sequence, between.sequence.base, 1, &start.sequence, order);
+        saltus_sequence_turn(&between.sequence, between.sequence.base, 1, &start.sequence, NULL);
         start.parameter = between.parameter[0];
         memcpy(start.state, between.state, sizeof start.state);
         start.unknowns = between.at.unknowns;
@@ -150,7 +149,6 @@ saltus_status saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution
     const double little = 1e-6;
     saltus_branch_start start = saltus_trail_leaving(t->trail);
     saltus_sequence changed, sequences[2];
-    int order[SALTUS_MARKS_MAX];
     if (!saltus_trail_switches(t->trail))
         return SALTUS_OK;
     /* Without the impact in either half, and with it in both. */
@@ -163,12 +161,12 @@ saltus_status saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution
             if (touch.kind != kind || !(fabs(touch.value) < little))
                 continue;
             touch.value = 0;
-            saltus_sequence_graze(&before, &touch, 1, &changed, order);
+            saltus_sequence_graze(&before, &touch, 1, &changed, NULL);
         }
         changed.cuts = 1;
         if (!images)
             changed = saltus_sequence_first_half(&changed);
-        saltus_sequence_turn(&changed, changed.base, 1, &sequences[k], order);
+        saltus_sequence_turn(&changed, changed.base, 1, &sequences[k], NULL);
     }
     if (sequences[0].count == sequences[1].count)
         return SALTUS_OK;
