@@ -21,11 +21,11 @@ typedef struct saltus_hopf {
 bool saltus_hopf_find(saltus_rests *rests, const saltus_rest *at, saltus_hopf *hopf);
 /* The unit vector, scaled (n), along the cycles born there where their observed displacement turns. */
 void saltus_hopf_direction(const saltus_rests *rests, const saltus_hopf *hopf, double *tangent);
-/* The state `apart` from an equilibrium along such a vector, and the sequence, of its contacts and frequency,
- * of a cycle whose period is an unknown with its base there. Errors: the flow's, SALTUS_NO_MEMORY. */
+/* `out` becomes what may be near a cycle: with the sequence of an equilibrium's contacts and frequency, its
+ * base, `apart` from the equilibrium along such a vector. Errors: the flow's, SALTUS_NO_MEMORY. */
 saltus_status saltus_hopf_aside(saltus_orbits *orbits, const double *parameters, const double *rest,
-                                const double *tangent, double apart, saltus_sequence *sequence, double *state,
-                                saltus_message *message);
+                                const double *tangent, double apart, const saltus_sequence *like,
+                                saltus_solution *out, saltus_message *message);
 
 /* In boundary.c. Add to `starts` the cycles with one impact that begin at `at`, an equilibrium without
  * contacts that touches a face; `like` has what the starts have in common. The equations must be shaped for

@@ -66,25 +66,37 @@ double saltus_corner_breach(const saltus_extended *x, const saltus_solution *s) 
     return worst ? worst->value : -1;
 }
 
+/* Factor the equations last evaluated by a shooting at fixed parameters, with closing rows to which so much
+ * of each of the n states at the base is added. `lu` is to be closed; false without memory. */
+static bool factor_closing(saltus_shooting *shooting, int n, double added, saltus_dense_lu *lu) {
+    const saltus_equations *e = saltus_shooting_equations(shooting);
+    const int c = e->count, row = saltus_shooting_closing_row(shooting);
+    double *a = calloc((size_t)(c * c), sizeof *a);
+    const bool room = a && saltus_dense_lu_open(lu, c);
+    for (int i = 0; i < c && room; i++)
+        memcpy(a + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *a);
+    for (int i = 0; i < n && room; i++)
+        a[(row + i) * c + i] += added;
+    if (room)
+        saltus_dense_factor(lu, a);
+    free(a);
+    return room;
+}
+
 int saltus_corner_multipliers(saltus_shooting *shooting, int n, double *re, double *im) {
     const double shift = 0.5, infinite = 1e-9;
-    const saltus_equations *e = saltus_shooting_equations(shooting);
-    int c = e->count, row = saltus_shooting_closing_row(shooting), count = 0;
+    int c = saltus_shooting_equations(shooting)->count, row = saltus_shooting_closing_row(shooting),
+        count = 0;
     saltus_dense_lu lu = {.n = 0};
-    double *work = calloc((size_t)(c * c + n * c + n * n + 2 * n), sizeof *work);
-    if (!work || !saltus_dense_lu_open(&lu, c)) {
-        free(work);
+    double *columns = calloc((size_t)(n * c + n * n + 2 * n), sizeof *columns);
+    if (!columns || !factor_closing(shooting, n, 1 - shift, &lu)) {
+        free(columns);
         return -1;
     }
-    double *columns = work + c * c, *inverse = columns + n * c, *real = inverse + n * n,
-           *imaginary = real + n;
-    for (int i = 0; i < c; i++)
-        memcpy(work + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *work);
-    for (int i = 0; i < n; i++) {
-        work[(row + i) * c + i] += 1 - shift;
+    double *inverse = columns + n * c, *real = inverse + n * n, *imaginary = real + n;
+    for (int i = 0; i < n; i++)
         columns[i * c + row + i] = 1;
-    }
-    bool sound = saltus_dense_factor(&lu, work);
+    bool sound = lu.sign != 0;
     if (sound)
         saltus_dense_resolve(&lu, false, n, columns);
     for (int i = 0; i < n && sound; i++)
@@ -102,7 +114,7 @@ int saltus_corner_multipliers(saltus_shooting *shooting, int n, double *re, doub
         im[count++] = -imaginary[i] / square;
     }
     saltus_dense_lu_close(&lu);
-    free(work);
+    free(columns);
     return count;
 }
 
@@ -135,20 +147,10 @@ void saltus_corner_still(const saltus_orbits *o, int mark) {
 }
 
 bool saltus_corner_closing(saltus_shooting *shooting, int turned, saltus_scaled *value) {
-    const saltus_equations *e = saltus_shooting_equations(shooting);
-    const int c = e->count, row = saltus_shooting_closing_row(shooting);
     saltus_dense_lu lu = {.n = 0};
-    double *a = calloc((size_t)(c * c), sizeof *a);
-    const bool room = a && saltus_dense_lu_open(&lu, c);
-    for (int i = 0; i < c && room; i++)
-        memcpy(a + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *a);
-    for (int i = 0; i < turned && room; i++)
-        a[(row + i) * c + i] += 2;
-    if (room)
-        saltus_dense_factor(&lu, a);
+    const bool room = factor_closing(shooting, turned, 2, &lu);
     *value = (saltus_scaled){lu.sign, lu.log_modulus};
     saltus_dense_lu_close(&lu);
-    free(a);
     return room;
 }
 

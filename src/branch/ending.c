@@ -267,12 +267,8 @@ static saltus_status cycle_shrinks(saltus_orbits *o, const saltus_solution *s, s
     *hopf = (saltus_shrunk){.omega = s->sequence.omega / s->sequence.periods};
     saltus_status status = saltus_rests_open(&r, &why);
     if (status == SALTUS_OK)
-        status = saltus_rests_shape(&r, s->sequence.contacts, s->state, s->parameter, &why);
-    if (status == SALTUS_OK && !saltus_curve_reserve(&rest.at, r.equations.unknowns))
-        status = SALTUS_NO_MEMORY;
+        status = saltus_rests_begin(&r, s->sequence.contacts, s->state, s->parameter, &rest.at, &why);
     double *u = rest.at.u;
-    if (status == SALTUS_OK)
-        status = saltus_rests_fill(&r, s->parameter, s->state, u, &why);
     if (status == SALTUS_OK && find_zero(&r, u, hopf)) {
         hopf->accuracy += scatter(&r, u, hopf);
         status = saltus_rest_see(&r, &rest, &why);

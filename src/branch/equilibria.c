@@ -76,15 +76,13 @@ static const char *label_of(unsigned contacts) {
     return contacts ? "held" : "equilibrium";
 }
 
-saltus_status saltus_rest_give(const saltus_rests *r, const saltus_rest *s, saltus_notice what,
-                               saltus_trail *trail, saltus_message *message) {
+bool saltus_rest_give(saltus_rests *r, const saltus_rest *s, saltus_notice what, saltus_trail *trail) {
     const saltus_rest_special *special = &r->special;
     const bool touches = special->kind == SALTUS_POINT_BE;
     const saltus_breach touch = {.face = special->face};
     saltus_branch_point point;
-    saltus_status status = saltus_point_open(&point, r->n, 0, message);
-    if (status != SALTUS_OK)
-        return status;
+    if (saltus_rests_noted(r, saltus_point_open(&point, r->n, 0, NULL)) != SALTUS_OK)
+        return trail->following = false;
     point.spec = saltus_family_spec(&r->family, s->parameter, 0);
     for (int d = 0; d < r->family.parameters; d++) {
         /* What the rounded unknown lacks to the equilibrium's value, which is exact on a border of the
@@ -115,14 +113,13 @@ saltus_status saltus_rest_give(const saltus_rests *r, const saltus_rest *s, salt
     snprintf(point.label, sizeof point.label, "%s", label_of(s->contacts));
     if (touches)
         saltus_point_mark_grazing(r->system, &touch, &point);
-    return saltus_trail_give(trail, r->system, &point, &what, message);
+    const saltus_status status = saltus_trail_give(trail, r->system, &point, &what, NULL);
+    trail->following = saltus_rests_noted(r, status) == SALTUS_OK && trail->following;
+    return status == SALTUS_OK;
 }
 
-/* False, and the branch is not followed on, without memory. */
 static bool give(saltus_equilibria *e, const saltus_rest *s, saltus_notice what) {
-    const saltus_status status = saltus_rest_give(&e->rests, s, what, e->trail, NULL);
-    e->trail->following = saltus_rests_noted(&e->rests, status) == SALTUS_OK && e->trail->following;
-    return status == SALTUS_OK;
+    return saltus_rest_give(&e->rests, s, what, e->trail);
 }
 
 static void end(saltus_equilibria *e, const saltus_rest *s, double ahead, const char *reason) {

@@ -38,8 +38,8 @@ saltus_status saltus_equilibria_archive(saltus_equilibria *equilibria, saltus_ar
                                         saltus_message *message);
 
 /* Give out an equilibrium as a point of a branch or, if the equations are those of special ones, of a locus.
- * A BE, and each point of their locus, tells the face that is touched. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_rest_give(const saltus_rests *rests, const saltus_rest *rest, saltus_notice what,
-                               saltus_trail *trail, saltus_message *message);
+ * A BE, and each point of their locus, tells the face that is touched. False, and it is not followed on,
+ * without memory, which is noted. */
+bool saltus_rest_give(saltus_rests *rests, const saltus_rest *rest, saltus_notice what, saltus_trail *trail);
 
 #endif

@@ -210,19 +210,21 @@ void saltus_hopf_direction(const saltus_rests *r, const saltus_hopf *hopf, doubl
 }
 
 saltus_status saltus_hopf_aside(saltus_orbits *o, const double *parameters, const double *rest,
-                                const double *tangent, double apart, saltus_sequence *sequence, double *state,
-                                saltus_message *message) {
-    saltus_status status = saltus_shooting_shape(o->shooting, sequence, message);
+                                const double *tangent, double apart, const saltus_sequence *like,
+                                saltus_solution *out, saltus_message *message) {
+    saltus_sequence sequence = *like;
+    double state[SALTUS_STATE_MAX];
+    saltus_status status = saltus_shooting_shape(o->shooting, &sequence, message);
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
         state[i] = rest[i] + apart * tangent[i] * saltus_shooting_scale(o->shooting)[i];
     if (status == SALTUS_OK)
-        status = saltus_orbits_tune(o, parameters, sequence->omega, message);
+        status = saltus_orbits_tune(o, parameters, sequence.omega, message);
     if (status == SALTUS_OK)
         status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, state, message);
     if (status != SALTUS_OK)
         return status;
-    saltus_sequence_anchor(sequence, o->flow, true);
-    if (!(sequence->speed > 0))
-        saltus_sequence_anchor(sequence, o->flow, false);
-    return status;
+    saltus_sequence_anchor(&sequence, o->flow, true);
+    if (!(sequence.speed > 0))
+        saltus_sequence_anchor(&sequence, o->flow, false);
+    return saltus_solution_place(o, &sequence, parameters, state, false, out, message);
 }

@@ -69,16 +69,11 @@ static void become(saltus_locus *l, saltus_point_kind kind, bool mirrored) {
 static saltus_status find_small(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
     static const double apart[] = {0.1, 0.03, 0.3, 0.01};
     saltus_orbits *o = &l->x.orbits;
-    double state[SALTUS_STATE_MAX];
     int farthest = 0;
     saltus_status status = SALTUS_NO_CONVERGENCE;
     for (int k = 0; k < 4 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++) {
-        saltus_sequence sequence = start->sequence;
         status = saltus_hopf_aside(o, start->parameter, start->state, start->sequence.anchor, apart[k],
-                                   &sequence, state, message);
-        if (status == SALTUS_OK)
-            status =
-                saltus_solution_place(o, &sequence, start->parameter, state, false, &l->here.orbit, message);
+                                   &start->sequence, &l->here.orbit, message);
         if (status == SALTUS_OK)
             status = saltus_locus_take_up(&l->x, &l->here, l->here.orbit.at.u, 0, message);
         for (int i = 0; i < o->n && status == SALTUS_OK; i++)
@@ -87,7 +82,8 @@ static saltus_status find_small(saltus_locus *l, const saltus_locus_start *start
         if (status == SALTUS_OK)
             status = saltus_locus_find_first(&l->x, &l->here, farthest, message);
     }
-    if (status == SALTUS_OK && l->here.at.tangent[farthest] * (state[farthest] - start->state[farthest]) < 0)
+    const double aside = l->here.orbit.state[farthest] - start->state[farthest];
+    if (status == SALTUS_OK && l->here.at.tangent[farthest] * aside < 0)
         saltus_curve_turn(&l->here.at);
     return status;
 }

@@ -143,17 +143,15 @@ void saltus_rest_locus_close(saltus_rest_locus *l) {
     *l = (saltus_rest_locus){.trail = l->trail, .starts = l->starts};
 }
 
-static saltus_status give(saltus_rest_locus *l, const saltus_rest *at, saltus_point_kind kind, double ahead,
-                          const char *reason, saltus_message *message) {
+static void give(saltus_rest_locus *l, const saltus_rest *at, saltus_point_kind kind, double ahead,
+                 const char *reason) {
     const saltus_notice what = {.kind = kind, .ahead = ahead, .accuracy = NAN, .reason = reason};
     const double square = at->tests[0];
-    saltus_status status = saltus_rest_give(&l->rests, at, what, l->trail, message);
-    if (status == SALTUS_OK && l->rests.special.kind == SALTUS_POINT_HB) {
-        saltus_branch_point *point = saltus_trail_last(l->trail);
-        point->lyapunov_coefficient = at->tests[1];
-        point->period = square > 0 ? 2 * M_PI / (sqrt(square) * l->rests.rate_scale) : NAN;
-    }
-    return status;
+    if (!saltus_rest_give(&l->rests, at, what, l->trail) || l->rests.special.kind != SALTUS_POINT_HB)
+        return;
+    saltus_branch_point *point = saltus_trail_last(l->trail);
+    point->lyapunov_coefficient = at->tests[1];
+    point->period = square > 0 ? 2 * M_PI / (sqrt(square) * l->rests.rate_scale) : NAN;
 }
 
 /* Begin the next direction from the first point. */
@@ -175,19 +173,20 @@ static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
     for (int k = 0; k < SALTUS_REST_TESTS && l->switched; k++)
         l->here.tests[k] = NAN;
     at->residual = l->rests.equations.size;
-    return status == SALTUS_OK ? give(l, &l->here, l->rests.special.kind, 0, "", message) : status;
+    if (status == SALTUS_OK)
+        give(l, &l->here, l->rests.special.kind, 0, NULL);
+    return status;
 }
 
 /* Where two eigenvalues are zero, the curve of folds passes through, and that of Hopf points ends. Where the
  * first Lyapunov coefficient is zero the latter goes through, and cycles that fold grow from the equilibrium.
  */
-static saltus_status meet(saltus_rest_locus *l, saltus_point_kind kind, const saltus_rest *at,
-                          saltus_message *message) {
+static void meet(saltus_rest_locus *l, saltus_point_kind kind, const saltus_rest *at) {
     const saltus_trail *trail = l->trail;
     const bool grows = kind == SALTUS_POINT_GH;
     saltus_hopf hopf = {.omega = 0};
     if (trail->options->switches == 0 || (grows && !saltus_hopf_find(&l->rests, at, &hopf)))
-        return SALTUS_OK;
+        return;
     saltus_locus_start start = {
         .kind = l->rests.special.kind,
         .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf.omega},
@@ -198,14 +197,14 @@ static saltus_status meet(saltus_rest_locus *l, saltus_point_kind kind, const sa
         .depth = trail->depth + 1,
         .done = true};
     memcpy(start.state, at->state, sizeof start.state);
-    saltus_status status = saltus_locus_starts_add(l->starts, &start, NAN, message);
-    if (status != SALTUS_OK || trail->depth >= trail->options->switches)
-        return status;
+    saltus_rests_noted(&l->rests, saltus_locus_starts_add(l->starts, &start, NAN, NULL));
+    if (trail->depth >= trail->options->switches)
+        return;
     start.kind = start.kind == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;
     start.done = false;
     if (grows)
         saltus_hopf_direction(&l->rests, &hopf, start.sequence.anchor);
-    return saltus_locus_starts_add(l->starts, &start, NAN, message);
+    saltus_rests_noted(&l->rests, saltus_locus_starts_add(l->starts, &start, NAN, NULL));
 }
 
 /* Begin a curve that was met: on a curve of Hopf points from where two eigenvalues are zero on the way on
@@ -251,11 +250,10 @@ static bool value_ahead(void *context, double ahead, double *value) {
 }
 
 /* Give out the points of codimension two between `here` and `next`, in order. */
-static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message) {
+static void give_corners(saltus_rest_locus *l) {
     saltus_special found[SALTUS_REST_TESTS];
     int count = 0;
     double width, value;
-    saltus_status status = SALTUS_OK;
     for (int k = 0; k < SALTUS_REST_TESTS; k++) {
         sought s = {l, k};
         saltus_special own = {.kind = tests[l->rests.special.kind][k].kind};
@@ -264,19 +262,18 @@ static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message)
             saltus_curve_zero(l->rests.solver, value_ahead, &s, ends, values, &own.ahead, &width))
             count = saltus_special_insert(own, found, count);
     }
-    for (int i = 0; i < count && status == SALTUS_OK && l->trail->following; i++) {
+    for (int i = 0; i < count && l->trail->following; i++) {
         const saltus_point_kind kind = found[i].kind;
         sought s = {l, kind != tests[l->rests.special.kind][0].kind};
         if (!value_ahead(&s, found[i].ahead, &value))
             continue;
-        status = give(l, &l->trial, kind, found[i].ahead, "", message);
-        if (status == SALTUS_OK && kind != SALTUS_POINT_CP && l->trail->following)
-            status = meet(l, kind, &l->trial, message);
-        if (status == SALTUS_OK && tests[l->rests.special.kind][s.test].ends && l->trail->following)
-            status = give(l, &l->trial, SALTUS_POINT_EP, found[i].ahead,
-                          "beyond it two real eigenvalues add up to zero: no Hopf points", message);
+        give(l, &l->trial, kind, found[i].ahead, NULL);
+        if (kind != SALTUS_POINT_CP && l->trail->following)
+            meet(l, kind, &l->trial);
+        if (tests[l->rests.special.kind][s.test].ends && l->trail->following)
+            give(l, &l->trial, SALTUS_POINT_EP, found[i].ahead,
+                 "beyond it two real eigenvalues add up to zero: no Hopf points");
     }
-    return status;
 }
 
 /* Whether the curve has come back to its first point in the step from `here` to `next`. */
@@ -302,45 +299,44 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     const saltus_curve_bound bounds[2] = {{r->size, l->border[0][0], l->border[0][1]},
                                           {r->size + 1, l->border[1][0], l->border[1][1]}};
     saltus_message why = {.text = ""};
-    int reached;
+    int reached, face = 0;
     saltus_status status =
         saltus_curve_step(&r->equations, &l->here.at, &trail->step, bounds, 2, &next->at, &reached, &why);
     if (status == SALTUS_OK)
-        status = look(l, &l->next, &why);
-    if (status == SALTUS_NO_MEMORY)
-        return saltus_branch_no_memory(message);
-    if (status != SALTUS_OK)
-        return give(l, &l->here, SALTUS_POINT_EP, 0, why.text, message);
-    status = give_corners(l, message);
-    if (status != SALTUS_OK || !trail->following)
-        return status;
-    const double ahead = next->at.ahead;
-    /* A face that the equilibrium has crossed or whose contact pulls. */
-    int face = 0;
-    while (face < r->system->face_count && (face == l->rests.special.face || !(next->breach[face] > near)))
-        face++;
-    if (face < r->system->face_count)
-        return give(l, &l->here, SALTUS_POINT_EP, 0,
-                    r->contacts >> face & 1 ? "a contact force falls to zero"
-                                            : "the equilibrium meets a stop",
-                    message);
+        status = look(l, next, &why);
+    const char *ends = saltus_rests_noted(r, status) == SALTUS_OK ? NULL : why.text;
+    if (!ends) {
+        give_corners(l);
+        if (!trail->following)
+            return SALTUS_OK;
+        /* A face that the equilibrium has crossed or whose contact pulls. */
+        while (face < r->system->face_count && (face == r->special.face || !(next->breach[face] > near)))
+            face++;
+        if (face < r->system->face_count)
+            ends = r->contacts >> face & 1 ? "a contact force falls to zero" : "the equilibrium meets a stop";
+    }
+    if (ends) {
+        give(l, &l->here, SALTUS_POINT_EP, 0, ends);
+        return SALTUS_OK;
+    }
     if (is_closed(l)) {
         l->way = l->way_count; /* the other direction leads around the same curve */
-        return give(l, &l->next, SALTUS_POINT_EP, ahead, "the curve is closed: it has come back", message);
-    }
-    if (reached >= 0) {
+        ends = "the curve is closed: it has come back";
+    } else if (reached >= 0) {
         const double low = trail->options->low[reached], high = trail->options->high[reached];
         next->value[reached] = next->parameter[reached] == l->border[reached][1] ? high : low;
-        return give(l, &l->next, SALTUS_POINT_EP, ahead, "end of the parameters' range", message);
+        ends = "end of the parameters' range";
     }
+    give(l, next, ends ? SALTUS_POINT_EP : r->special.kind, next->at.ahead, ends);
+    if (!trail->following)
+        return SALTUS_OK;
     trail->step = saltus_curve_next_step(trail->step, next->at.iterations, trail->options->step_max);
-    status = give(l, &l->next, l->rests.special.kind, ahead, "", message);
-    trail->arclength += ahead;
+    trail->arclength += next->at.ahead;
     const saltus_rest swap = l->here;
     l->here = l->next;
     l->next = swap;
     saltus_curve_bend(&l->next.at, &l->here.at);
-    return status == SALTUS_OK ? renew(l, l->here.at.u, message) : status;
+    return renew(l, l->here.at.u, message);
 }
 
 saltus_status saltus_rest_locus_step(saltus_rest_locus *l, bool *more, saltus_message *message) {

@@ -65,14 +65,11 @@ static bool is_small(const saltus_branch_start *start) {
  * surveyed, with a tangent away from the equilibrium. */
 static saltus_status hopf_cycle(saltus_orbits *o, const saltus_branch_start *start, double apart,
                                 saltus_solution *out, saltus_message *message) {
-    saltus_sequence sequence = start->sequence;
     saltus_equations *e = o->equations;
-    double state[SALTUS_STATE_MAX], normal[SALTUS_STATE_MAX + 2] = {0}, place[SALTUS_STATE_MAX + 2];
+    double normal[SALTUS_STATE_MAX + 2] = {0}, place[SALTUS_STATE_MAX + 2];
     memcpy(normal, start->tangent, (size_t)o->n * sizeof *normal);
     saltus_status status = saltus_hopf_aside(o, &start->parameter, start->state, start->tangent, apart,
-                                             &sequence, state, message);
-    if (status == SALTUS_OK)
-        status = saltus_solution_place(o, &sequence, &start->parameter, state, false, out, message);
+                                             &start->sequence, out, message);
     if (status != SALTUS_OK)
         return status;
     memcpy(place, out->at.u, (size_t)e->unknowns * sizeof *place);
