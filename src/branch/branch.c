@@ -6,7 +6,6 @@
 #include "branch/equilibria.h"
 #include "branch/locus.h"
 #include "branch/options.h"
-#include "branch/rest_locus.h"
 #include "branch/trace.h"
 #include "flow/effort.h"
 

@@ -1,5 +1,6 @@
 /* Private: branches of equilibria of scenes without forcing, free or held against stops, with folds, branch
- * points, Hopf points, and the points where an equilibrium meets or leaves a stop.
+ * points, Hopf points, and the points where an equilibrium meets or leaves a stop; and the curves of such
+ * points in two parameters.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_EQUILIBRIA_H
 #define SALTUS_BRANCH_EQUILIBRIA_H
@@ -41,5 +42,35 @@ saltus_status saltus_equilibria_archive(saltus_equilibria *equilibria, saltus_ar
  * A BE, and each point of their locus, tells the face that is touched. False, and it is not followed on,
  * without memory, which is noted. */
 bool saltus_rest_give(saltus_rests *rests, const saltus_rest *rest, saltus_notice what, saltus_trail *trail);
+
+/* In rest_locus.c: curves of Hopf points, boundary equilibria and folds of equilibria in the plane of two
+ * parameters. */
+typedef struct saltus_rest_locus {
+    saltus_trail *trail;         /* the caller's: receives the points */
+    saltus_locus_starts *starts; /* the caller's: receives places at which other curves begin, at generalised
+                                    Hopf points of cycles that fold */
+    bool switched;               /* the curve under way begins at such a place */
+    saltus_rests rests;          /* what makes the equilibria special is renewed from point to point */
+    saltus_rest here, next, trial;
+    double beginning[2 * SALTUS_REST_UNKNOWNS_MAX]; /* unknowns and tangent of the first point */
+    double first_square;
+    double border[2][2]; /* of both parameter unknowns: low, high */
+    int first_way;       /* 1 or -1 along the tangent there; the second is against it */
+    int way_count, way;  /* ways from there, and those begun so far */
+} saltus_rest_locus;
+
+/* A locus through a special equilibrium of a branch in the first parameter; NULL: none, if it is to begin at
+ * one of the starts, or if saltus_rest_locus_archive is to read it. `trail` and `starts` must be set. Close
+ * in any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT, SALTUS_NO_CONVERGENCE. */
+saltus_status saltus_rest_locus_open(saltus_rest_locus *locus, const saltus_spec *spec,
+                                     const saltus_locus_start *first, saltus_message *message);
+/* It can be opened again, with the same trail and starts. */
+void saltus_rest_locus_close(saltus_rest_locus *locus);
+/* One step, which may give out points; *more is false when all is done. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_rest_locus_step(saltus_rest_locus *locus, bool *more, saltus_message *message);
+/* All that later steps depend on, but for trail and starts, written, or read into what was opened. Errors:
+ * SALTUS_NO_MEMORY, those of the evaluation. */
+saltus_status saltus_rest_locus_archive(saltus_rest_locus *locus, saltus_archive *archive,
+                                        saltus_message *message);
 
 #endif

@@ -37,7 +37,7 @@ saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_so
                                          const saltus_sequence *beyond);
 /* A locus through such a point; NULL: none, if it is to begin at one of the starts, or if
  * saltus_locus_archive is to read it. `trail` and `starts` must be set. When it is done, starts of curves of
- * Hopf points may wait: rest_locus.h follows them. Close in any case. Errors: SALTUS_NO_MEMORY,
+ * Hopf points may wait: equilibria.h follows them. Close in any case. Errors: SALTUS_NO_MEMORY,
  * SALTUS_BAD_INPUT, SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_locus_open(saltus_locus *locus, const saltus_spec *spec, const saltus_locus_start *first,
                                 saltus_message *message);

@@ -8,7 +8,7 @@
 
 /* An orbit at which a curve begins. */
 typedef struct saltus_locus_start {
-    saltus_point_kind kind; /* of the curve's points; HB, or begun at BT: of equilibria (rest_locus.h) */
+    saltus_point_kind kind; /* of the curve's points; HB, or begun at BT: of equilibria (equilibria.h) */
     saltus_sequence sequence;
     double parameter[2];
     /* At the base; GH: the equilibrium, which the sequence's anchor leads away from. */

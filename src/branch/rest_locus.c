@@ -1,7 +1,5 @@
 /* Curves of special equilibria in the plane of two parameters.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "branch/rest_locus.h"
-
 #include "branch/born.h"
 #include "branch/equilibria.h"
 #include "branch/options.h"
