@@ -295,7 +295,7 @@ static void halves_and_images(void **state) {
         saltus_sequence both;
         open_begin(k, &f, &orbit);
         place_closed(&f, &orbit, 0.5, 1, &s);
-        assert_true(saltus_sequence_double(&s.sequence, &both));
+        assert_true(saltus_sequence_join(&s.sequence, &s.sequence, &both));
         double apart = saltus_solution_half_distance(&f.orbits, &s, false);
         if (f.o.periods % 2)
             assert_true(isinf(apart));

@@ -56,8 +56,10 @@ bool saltus_archive_flag(saltus_archive *a, bool value) {
     return saltus_archive_whole(a, value, 0, 1);
 }
 
-saltus_point_kind saltus_archive_kind(saltus_archive *a, saltus_point_kind kind) {
-    return (saltus_point_kind)saltus_archive_whole(a, kind, 0, SALTUS_POINT_KINDS - 1);
+saltus_point_kind saltus_archive_kind(saltus_archive *a, saltus_point_kind kind, unsigned among) {
+    kind = (saltus_point_kind)saltus_archive_whole(a, kind, 0, SALTUS_POINT_KINDS - 1);
+    a->sound = a->sound && among >> kind & 1;
+    return kind;
 }
 
 void saltus_archive_label(saltus_archive *a, char label[SALTUS_LABEL_MAX]) {
@@ -293,6 +295,6 @@ void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
         start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
         start->grazes = saltus_archive_flag(a, start->grazes);
         start->place = (int)saltus_archive_whole(a, start->place, 0, INT_MAX);
-        start->origin = saltus_archive_kind(a, start->origin);
+        start->origin = saltus_archive_kind(a, start->origin, ~0u);
     }
 }

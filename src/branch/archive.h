@@ -30,7 +30,8 @@ long long saltus_archive_whole(saltus_archive *archive, long long value, long lo
 /* The same for the length of an array whose entries take at least `each` numbers. */
 size_t saltus_archive_length(saltus_archive *archive, size_t length, size_t each);
 bool saltus_archive_flag(saltus_archive *archive, bool value);
-saltus_point_kind saltus_archive_kind(saltus_archive *archive, saltus_point_kind kind);
+/* One `among` a set of kinds, as bits; any other makes the archive unsound. */
+saltus_point_kind saltus_archive_kind(saltus_archive *archive, saltus_point_kind kind, unsigned among);
 void saltus_archive_label(saltus_archive *archive, char label[SALTUS_LABEL_MAX]);
 /* A list of `count` things of `size` bytes and at least `each` numbers each: archives the count; reading, the
  * list is replaced by a zeroed one. Returns the list. */

@@ -296,8 +296,7 @@ double saltus_extended_cusp(const saltus_extended *x) {
     return saltus_dot(x->equations.jacobian + (ptrdiff_t)c * x->equations.unknowns, x->right, c);
 }
 
-saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, double apart, double *value,
-                                          saltus_message *message) {
+saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, double apart, double *value) {
     enum { arm = 4 };
     static const double first[arm] = {4. / 5, -1. / 5, 4. / 105, -1. / 280},
                         second[arm] = {8. / 5, -1. / 5, 8. / 315, -1. / 560}, centre = -205. / 72;
@@ -310,7 +309,7 @@ saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, d
     saltus_dense_lu lu = {.n = 0};
     if (!work || !saltus_dense_lu_open(&lu, c)) {
         free(work);
-        return saltus_branch_no_memory(message);
+        return SALTUS_NO_MEMORY;
     }
     double *matrix = work, *square = work + c * c, *mixed = square + c + 1;
     saltus_status status = SALTUS_OK;
@@ -320,7 +319,7 @@ saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, d
         memcpy(x->aside, u, (size_t)m * sizeof *u);
         for (int j = 0; j < c; j++)
             x->aside[j] += k * apart * v[j] / length;
-        status = saltus_equations_evaluate(e, x->aside, message);
+        status = saltus_equations_evaluate(e, x->aside, NULL);
         for (int i = 0; i < c && status == SALTUS_OK; i++) {
             double along = 0;
             for (int j = 0; j < c; j++) {
@@ -334,7 +333,7 @@ saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, d
         }
     }
     if (status == SALTUS_OK && flips && !saltus_dense_factor(&lu, matrix))
-        status = saltus_fail(message, SALTUS_SINGULAR, "a flip with a multiplier 1");
+        status = SALTUS_SINGULAR; /* a flip with a multiplier 1 */
     if (status == SALTUS_OK) {
         /* At a branch point F' is A itself, and s has no part along c. */
         saltus_dense_resolve(flips ? &lu : &x->lu, false, 1, square);

@@ -74,6 +74,6 @@ double saltus_extended_cusp(const saltus_extended *extended);
  * to a factor. Derivatives are differences over four times `apart` to both sides. Errors: SALTUS_NO_MEMORY,
  * SALTUS_SINGULAR, those of the orbit's equations. */
 saltus_status saltus_extended_criticality(saltus_extended *extended, const double *u, double apart,
-                                          double *value, saltus_message *message);
+                                          double *value);
 
 #endif

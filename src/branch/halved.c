@@ -67,7 +67,7 @@ static bool test_at(void *context, double ahead, double *value) {
     else if (status == SALTUS_OK && !grazes && !comes_back)
         *value = saltus_extended_double(&s->x, &rounding);
     if (status == SALTUS_OK && (s->kind == SALTUS_POINT_GPD || s->kind == SALTUS_POINT_CP))
-        status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value, NULL);
+        status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value);
     if (status == SALTUS_OK && (comes_back || s->without))
         status = evaluate_without(s, &without, NULL);
     else if (status == SALTUS_OK && (multipliers || grazes))

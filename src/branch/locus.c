@@ -770,7 +770,7 @@ static void archive_corners(saltus_locus *l, saltus_archive *a) {
     l->here.corner_count = (int)saltus_archive_whole(a, l->here.corner_count, 0, SALTUS_CORNERS_MAX);
     for (int k = 0; k < l->here.corner_count; k++) {
         saltus_locus_test *test = &l->here.corners[k];
-        test->kind = saltus_archive_kind(a, test->kind);
+        test->kind = saltus_archive_kind(a, test->kind, ~0u);
         saltus_archive_scaled(a, &test->value);
         saltus_archive_real(a, &test->quiet);
         test->breach = saltus_archive_flag(a, test->breach);
@@ -795,12 +795,11 @@ static void archive_corners(saltus_locus *l, saltus_archive *a) {
 saltus_status saltus_locus_archive(saltus_locus *l, saltus_archive *a, saltus_message *message) {
     saltus_archive_orbits(a, &l->x.orbits);
     /* The start of the current curve, and how many directions from there are begun. */
-    const saltus_point_kind kind = saltus_locus_start_kind(a, l->x.kind);
-    a->sound = a->sound && kind != SALTUS_POINT_HB;
+    const saltus_point_kind kind = saltus_archive_kind(a, l->x.kind, saltus_orbit_loci);
     const bool mirrored = saltus_archive_flag(a, l->x.mirrored);
     if (a->reading)
         become(l, kind, mirrored);
-    l->begun_at = saltus_archive_kind(a, l->begun_at);
+    l->begun_at = saltus_archive_kind(a, l->begun_at, ~0u);
     l->way_count = (int)saltus_archive_whole(a, l->way_count, 1, 2);
     l->way = (int)saltus_archive_whole(a, l->way, 1, l->way_count);
     /* Its first point: sequence, unknowns, and the direction in which the curve left. */

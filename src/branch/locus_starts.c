@@ -182,7 +182,7 @@ static int grazing_of_broken(const saltus_extended *x, const saltus_sequence *wh
     start->mark = mark;
     start->leaves = true;
     start->sequence = *whole;
-    if (!mirrored && !saltus_sequence_double(whole, &start->sequence))
+    if (!mirrored && !saltus_sequence_join(whole, whole, &start->sequence))
         return 0;
     const int other = counterpart(&start->sequence, mark, mirrored);
     /* Where there is no stop on the other side orbits and images touch on both ways from there. */
@@ -343,13 +343,6 @@ bool saltus_locus_starts_wait(saltus_locus_starts *starts, bool of_rests) {
     return false;
 }
 
-saltus_point_kind saltus_locus_start_kind(saltus_archive *a, saltus_point_kind kind) {
-    kind = saltus_archive_kind(a, kind);
-    a->sound = a->sound && (kind == SALTUS_POINT_LP || kind == SALTUS_POINT_PD || kind == SALTUS_POINT_NS ||
-                            kind == SALTUS_POINT_BP || kind == SALTUS_POINT_GR || kind == SALTUS_POINT_HB);
-    return kind;
-}
-
 void saltus_locus_starts_archive(saltus_archive *a, saltus_locus_starts *starts) {
     enum { numbers_min = 16 }; /* per start */
     if (a->reading)
@@ -358,7 +351,7 @@ void saltus_locus_starts_archive(saltus_archive *a, saltus_locus_starts *starts)
     starts->next = (int)saltus_archive_whole(a, starts->next, 0, starts->count);
     for (int k = 0; k < starts->count; k++) {
         saltus_locus_start *start = &starts->start[k];
-        start->kind = saltus_locus_start_kind(a, start->kind);
+        start->kind = saltus_archive_kind(a, start->kind, saltus_orbit_loci | 1u << SALTUS_POINT_HB);
         saltus_archive_sequence(a, &start->sequence);
         saltus_archive_finite(a, start->parameter, 2);
         saltus_archive_finite(a, start->state, (size_t)a->n);
@@ -367,7 +360,7 @@ void saltus_locus_starts_archive(saltus_archive *a, saltus_locus_starts *starts)
         saltus_archive_finite(a, &start->theta, 1);
         start->one_way = saltus_archive_flag(a, start->one_way);
         start->leaves = saltus_archive_flag(a, start->leaves);
-        start->origin = saltus_archive_kind(a, start->origin);
+        start->origin = saltus_archive_kind(a, start->origin, ~0u);
         start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
         start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
         start->done = saltus_archive_flag(a, start->done);

@@ -6,6 +6,11 @@
 #include "branch/archive.h"
 #include "branch/corner.h"
 
+/* The kinds of special orbits of which there are curves. */
+static const unsigned saltus_orbit_loci = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD |
+                                          1u << SALTUS_POINT_NS | 1u << SALTUS_POINT_BP |
+                                          1u << SALTUS_POINT_GR;
+
 /* An orbit at which a curve begins. */
 typedef struct saltus_locus_start {
     saltus_point_kind kind; /* of the curve's points; HB, or begun at BT: of equilibria (equilibria.h) */
@@ -60,8 +65,6 @@ int saltus_locus_starts_grazing(saltus_orbits *orbits, const saltus_solution *at
  * the first such start. */
 bool saltus_locus_starts_wait(saltus_locus_starts *starts, bool of_rests);
 
-/* Archive a kind of which there are curves; any other kind makes the archive unsound (archive.h). */
-saltus_point_kind saltus_locus_start_kind(saltus_archive *archive, saltus_point_kind kind);
 /* Reading replaces the present starts. */
 void saltus_locus_starts_archive(saltus_archive *archive, saltus_locus_starts *starts);
 

@@ -183,12 +183,11 @@ static saltus_status find_contact_force(saltus_orbits *o, const saltus_solution 
 
 /* An orbit whose period is an unknown is reported from its highest maximum on. If the flow does not follow
  * it, it is reported as prescribed. */
-static saltus_status from_maximum(saltus_orbits *o, const saltus_solution *s, bool found,
-                                  saltus_branch_point *point, int *returns, saltus_message *message) {
+static void from_maximum(saltus_orbits *o, const saltus_solution *s, bool found, saltus_branch_point *point,
+                         int *returns) {
     saltus_lap lap = {.keeps_events = true};
-    saltus_status status = saltus_cycle_around(o, s, &lap, NULL);
     saltus_spec_set_omega(&point->spec, 2 * M_PI / point->period);
-    if (status == SALTUS_OK) {
+    if (saltus_cycle_around(o, s, &lap)) {
         *returns = lap.returns;
         point->periods = lap.periods;
         memcpy(point->state, lap.points, (size_t)o->n * sizeof *point->state);
@@ -197,7 +196,6 @@ static saltus_status from_maximum(saltus_orbits *o, const saltus_solution *s, bo
         saltus_orbit_label(point->impacts, point->periods, point->label);
     }
     saltus_lap_close(&lap);
-    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
 saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescribed,
@@ -235,10 +233,7 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
      * state nearby. */
     if (found || saltus_solution_state_at(o, s, section, point->state, NULL) != SALTUS_OK)
         memcpy(point->state, survey->lap.points, state_bytes);
-    if (find_contact_force(o, s, &point->contact_force) == SALTUS_NO_MEMORY) {
-        saltus_branch_point_clear(point);
-        return saltus_branch_no_memory(message);
-    }
+    saltus_orbits_noted(o, find_contact_force(o, s, &point->contact_force));
     if (!found) {
         prescribed_events(o, s, point);
     } else {
@@ -250,7 +245,9 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
             memcpy(point->events, survey->lap.events, (size_t)seen * sizeof *point->events);
     }
     fold_events(point->events, point->event_count, periods);
-    return s->sequence.omega > 0 ? from_maximum(o, s, found, point, returns, message) : status;
+    if (s->sequence.omega > 0)
+        from_maximum(o, s, found, point, returns);
+    return SALTUS_OK;
 }
 
 void saltus_point_mark_grazing(const saltus_system *system, const saltus_breach *breach,

@@ -352,8 +352,7 @@ saltus_status saltus_rest_locus_step(saltus_rest_locus *l, bool *more, saltus_me
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a, saltus_message *message) {
     const unsigned kinds = 1u << SALTUS_POINT_HB | 1u << SALTUS_POINT_BE | 1u << SALTUS_POINT_LP;
     l->switched = saltus_archive_flag(a, l->switched);
-    l->rests.special.kind = saltus_archive_kind(a, l->rests.special.kind);
-    a->sound = a->sound && kinds >> l->rests.special.kind & 1;
+    l->rests.special.kind = saltus_archive_kind(a, l->rests.special.kind, kinds);
     l->rests.special.face = (int)saltus_archive_whole(a, l->rests.special.face, -1, a->faces - 1);
     l->way_count = (int)saltus_archive_whole(a, l->way_count, 1, 2);
     l->first_way = (int)saltus_archive_whole(a, l->first_way, -1, 1);

@@ -72,10 +72,6 @@ bool saltus_sequence_join(const saltus_sequence *first, const saltus_sequence *s
     return true;
 }
 
-bool saltus_sequence_double(const saltus_sequence *old, saltus_sequence *fresh) {
-    return saltus_sequence_join(old, old, fresh);
-}
-
 double saltus_sequence_repeats(const saltus_sequence *s, int parts, bool mirrored) {
     int part = s->count / parts;
     double largest = 0;

@@ -16,9 +16,8 @@ const char *saltus_sequence_graze(const saltus_sequence *old, const saltus_breac
 /* The sequence without the marks that are `gone`. */
 void saltus_sequence_without(const saltus_sequence *old, const bool gone[SALTUS_MARKS_MAX],
                              saltus_sequence *fresh, int *order);
-/* The orbit traversed twice; false if it has too many marks. */
-bool saltus_sequence_double(const saltus_sequence *old, saltus_sequence *fresh);
-/* Once around one orbit, then around another with the same base and period; false as above. */
+/* Once around one orbit, then around another with the same base and period, or the same again; false if there
+ * are too many marks. */
 bool saltus_sequence_join(const saltus_sequence *first, const saltus_sequence *second,
                           saltus_sequence *fresh);
 

@@ -288,20 +288,17 @@ saltus_status saltus_solution_walk(saltus_orbits *o, saltus_solution *s, saltus_
     return go_around(o, s, NULL, message);
 }
 
-saltus_status saltus_cycle_around(saltus_orbits *o, const saltus_solution *s, saltus_lap *lap,
-                                  saltus_message *message) {
-    saltus_status status =
-        saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, message);
+bool saltus_cycle_around(saltus_orbits *o, const saltus_solution *s, saltus_lap *lap) {
+    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, NULL);
     if (status == SALTUS_OK)
-        status = saltus_lap_cycle(lap, o->flow, s->state, message);
-    return status;
+        status = saltus_lap_cycle(lap, o->flow, s->state, NULL);
+    return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 
 void saltus_solution_label(saltus_orbits *o, const saltus_solution *s, char label[SALTUS_LABEL_MAX]) {
     saltus_lap lap = {0};
     memcpy(label, s->survey.label, SALTUS_LABEL_MAX);
-    if (label[0] && s->sequence.omega > 0 &&
-        saltus_orbits_noted(o, saltus_cycle_around(o, s, &lap, NULL)) == SALTUS_OK)
+    if (label[0] && s->sequence.omega > 0 && saltus_cycle_around(o, s, &lap))
         saltus_orbit_label(s->survey.impacts, lap.periods, label);
     saltus_lap_close(&lap);
 }

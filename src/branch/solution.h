@@ -101,10 +101,9 @@ saltus_status saltus_solution_visit(saltus_orbits *orbits, const saltus_solution
                                     saltus_solution *out, saltus_message *message);
 /* Let the event-driven flow go around a solution that has the shooting's sequence. */
 saltus_status saltus_solution_walk(saltus_orbits *orbits, saltus_solution *solution, saltus_message *message);
-/* Once around an orbit whose period is an unknown, from return to return (orbit/poincare.h). Errors: those of
- * the flow, SALTUS_NO_MEMORY. */
-saltus_status saltus_cycle_around(saltus_orbits *orbits, const saltus_solution *solution, saltus_lap *lap,
-                                  saltus_message *message);
+/* Once around an orbit whose period is an unknown, from return to return (orbit/poincare.h). False if the
+ * flow fails. */
+bool saltus_cycle_around(saltus_orbits *orbits, const saltus_solution *solution, saltus_lap *lap);
 /* The label of a surveyed solution: n/p, where p is the number of returns if the period is an unknown; "" if
  * it was not surveyed. */
 void saltus_solution_label(saltus_orbits *orbits, const saltus_solution *solution,

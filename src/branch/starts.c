@@ -64,7 +64,7 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     saltus_branch_start start = *like;
     start.sequence = at->sequence;
     start.sequence.cuts = 1;
-    if (flips && !saltus_sequence_double(&at->sequence, &start.sequence))
+    if (flips && !saltus_sequence_join(&at->sequence, &at->sequence, &start.sequence))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "twice the orbit has more than %d events",
                            SALTUS_MARKS_MAX);
     saltus_status status =

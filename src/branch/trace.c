@@ -75,10 +75,9 @@ saltus_status saltus_trace_end(saltus_trace *t, const saltus_solution *s, double
 /* Visit `trial` at this distance along the step and return its number of returns; -1 where there is none. */
 static int returns_at(saltus_trace *t, double ahead) {
     saltus_lap lap = {0};
-    saltus_status status = saltus_solution_visit(&t->orbits, t->here, ahead, t->trial, NULL);
-    if (status == SALTUS_OK)
-        status = saltus_orbits_noted(&t->orbits, saltus_cycle_around(&t->orbits, t->trial, &lap, NULL));
-    int returns = status == SALTUS_OK ? lap.returns : -1;
+    const bool found = saltus_solution_visit(&t->orbits, t->here, ahead, t->trial, NULL) == SALTUS_OK &&
+                       saltus_cycle_around(&t->orbits, t->trial, &lap);
+    int returns = found ? lap.returns : -1;
     saltus_lap_close(&lap);
     return returns;
 }

@@ -140,11 +140,12 @@ static saltus_status give_first(saltus_trace *t, const saltus_branch_start *star
         status = saltus_orbits_tune(o, here->parameter, here->sequence.omega, message);
     if (status != SALTUS_OK)
         return status;
-    saltus_status around =
-        here->sequence.omega > 0
-            ? saltus_cycle_around(o, here, &t->first, NULL)
-            : saltus_lap_around(&t->first, o->flow, here->survey.lap.points, here->sequence.periods, NULL);
-    return around == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    if (here->sequence.omega > 0)
+        saltus_cycle_around(o, here, &t->first);
+    else
+        saltus_orbits_noted(
+            o, saltus_lap_around(&t->first, o->flow, here->survey.lap.points, here->sequence.periods, NULL));
+    return SALTUS_OK;
 }
 
 saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *start, saltus_message *message) {

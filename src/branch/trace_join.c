@@ -61,7 +61,7 @@ static const double *section_points(saltus_orbits *o, const saltus_solution *s, 
     *count = s->sequence.periods;
     if (s->sequence.omega == 0)
         return s->survey.walked ? s->survey.lap.points : NULL;
-    const bool known = saltus_orbits_noted(o, saltus_cycle_around(o, s, lap, NULL)) == SALTUS_OK;
+    const bool known = saltus_cycle_around(o, s, lap);
     *count = known ? lap->periods : 0;
     return known ? lap->points : NULL;
 }

@@ -234,7 +234,7 @@ void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
     t->visited.room = a->reading ? t->visited.count : t->visited.room;
     for (int k = 0; k < t->visited.count; k++) {
         visited *v = (visited *)t->visited.items + k;
-        v->kind = saltus_archive_kind(a, v->kind);
+        v->kind = saltus_archive_kind(a, v->kind, ~0u);
         v->branch = (int)saltus_archive_whole(a, v->branch, 0, INT_MAX);
         v->periods = (int)saltus_archive_whole(a, v->periods, 0, INT_MAX);
         saltus_archive_label(a, v->label[0]);
