@@ -275,7 +275,7 @@ void saltus_archive_shape(saltus_archive *a, saltus_shooting *shooting) {
 }
 
 void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
-    enum { numbers_min = 13 }; /* per start */
+    enum { numbers_min = 12 }; /* per start */
     if (a->reading)
         saltus_starts_clear(starts);
     starts->begun = (int)saltus_archive_whole(a, starts->begun, 0, INT_MAX / 2);
@@ -293,7 +293,6 @@ void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
         start->heading = (int)saltus_archive_whole(a, start->heading, -1, 1);
         start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
         start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
-        start->grazes = saltus_archive_flag(a, start->grazes);
         start->place = (int)saltus_archive_whole(a, start->place, 0, INT_MAX);
         start->origin = saltus_archive_kind(a, start->origin, ~0u);
     }

@@ -7,8 +7,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* Go once around a cycle. Without `rest`: its slowest point to `slowest` (n), the speed there, in the state's
  * scales, to *least; with `rest`, a state: the least distance from it to *least. */

@@ -10,7 +10,6 @@
 #include "branch/born.h"
 #include "branch/options.h"
 #include "branch/point.h"
-#include "saltus/equilibrium.h"
 
 #include <float.h>
 #include <math.h>

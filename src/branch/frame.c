@@ -4,7 +4,6 @@
 #include "branch/solution.h"
 #include "orbit/sequence.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

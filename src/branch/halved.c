@@ -5,7 +5,6 @@
 #include "branch/sequence.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* The search along a curve of flips, or of tori, of the shorter orbits. */

@@ -5,9 +5,7 @@
 #include "branch/options.h"
 
 #include <complex.h>
-#include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Functions along the curves of a kind, whose zeros are points of codimension two. */

@@ -5,7 +5,6 @@
 #include "orbit/sequence.h"
 
 #include <math.h>
-#include <string.h>
 
 /* Breaches this close to zero change together, as on orbits that are their own mirror images. */
 static const double together = 1e-7;

@@ -7,7 +7,6 @@
 #include "branch/solution.h"
 
 #include "branch/sequence.h"
-#include "orbit/multipliers.h"
 #include "orbit/poincare.h"
 #include "orbit/sequence.h"
 

@@ -60,10 +60,10 @@ typedef struct saltus_branch_start {
     double tangent[SALTUS_START_UNKNOWNS_MAX];
     int unknowns; /* entries of the tangent; 0: it is the null vector, with the sign of `heading` */
     int heading, parent, depth;
-    bool grazes; /* an impact has zero speed: the flow decides the direction */
-    int place;   /* number of the joined place (trail.h) that this and its like lead away from, counted
-                    from 1; 0: none */
-    saltus_point_kind origin; /* kind of the point where it branches off; REGULAR: none */
+    int place; /* number of the joined place (trail.h) that this and its like lead away from, counted
+                  from 1; 0: none */
+    saltus_point_kind origin; /* kind of the point where it branches off; REGULAR: none; GR: an impact has
+                                 zero speed, and the flow decides the direction */
 } saltus_branch_start;
 
 /* Starts that are still to be followed, in order. */

@@ -104,7 +104,6 @@ saltus_status saltus_starts_graze(const saltus_solution *at, const saltus_sequen
     saltus_branch_start start = *like;
     start.parameter = at->parameter[0];
     memcpy(start.state, at->state, sizeof start.state);
-    start.grazes = true;
     start.origin = SALTUS_POINT_GR;
     if (more->count != less->count + 1 || !saltus_sequence_join(more, less, &start.sequence))
         return SALTUS_OK;

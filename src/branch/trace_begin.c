@@ -156,7 +156,7 @@ saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *sta
     t->returns = -1;
     t->births.count = 0;
     saltus_lap_close(&t->first);
-    if (start->grazes)
+    if (start->origin == SALTUS_POINT_GR)
         return saltus_change_pass(o, &start->sequence, &start->parameter, start->state, NULL, t->here,
                                   t->next)
                    ? saltus_trace_leave_grazing(t, message)

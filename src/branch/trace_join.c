@@ -173,7 +173,6 @@ saltus_status saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution
     start.sequence = sequences[0];
     start.parameter = at->parameter[0];
     memcpy(start.state, at->state, sizeof start.state);
-    start.grazes = true;
     start.origin = SALTUS_POINT_GR;
     return add_joined(t, at, &start, sequences, at->value, message);
 }

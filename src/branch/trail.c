@@ -3,7 +3,6 @@
 #include "branch/trail.h"
 
 #include "branch/point.h"
-#include "orbit/lap.h"
 
 #include <float.h>
 #include <limits.h>
