@@ -114,10 +114,14 @@ static unsigned faces_held(saltus_archive *a, unsigned contacts) {
     return (unsigned)saltus_archive_whole(a, contacts, 0, (1LL << a->faces) - 1);
 }
 
-/* A time on an orbit; those of marks may lie slightly beyond its end. */
+/* Check a time on an orbit; those of marks may lie slightly beyond its end. */
+static void check_time(saltus_archive *a, const saltus_sequence *s, double time) {
+    a->sound = a->sound && (!a->reading || (time >= -1 && time <= 2.0 * s->periods + 1));
+}
+
 static void orbit_time(saltus_archive *a, const saltus_sequence *s, double *time) {
     saltus_archive_finite(a, time, 1);
-    a->sound = a->sound && (!a->reading || (*time >= -1 && *time <= 2.0 * s->periods + 1));
+    check_time(a, s, *time);
 }
 
 void saltus_archive_sequence(saltus_archive *a, saltus_sequence *s) {
@@ -217,10 +221,13 @@ static void archive_survey(saltus_archive *a, saltus_survey *survey) {
         saltus_archive_finite(a, lap->points, (size_t)a->n);
 }
 
-void saltus_archive_solution(saltus_archive *a, saltus_solution *s) {
+void saltus_archive_solution(saltus_archive *a, const saltus_orbits *o, saltus_solution *s) {
     saltus_archive_point(a, &s->at);
-    saltus_archive_sequence(a, &s->sequence);
-    saltus_archive_finite(a, s->state, (size_t)a->n);
+    a->sound = a->sound && (!a->reading || s->at.unknowns == o->equations->unknowns);
+    if (a->reading && a->sound)
+        saltus_shooting_extract(o->shooting, s->at.u, &s->sequence, s->state);
+    for (int k = 0; k < s->sequence.count; k++)
+        check_time(a, &s->sequence, s->sequence.mark[k].time);
     saltus_archive_finite(a, s->parameter, 2);
     saltus_archive_finite(a, &s->value, 1);
     saltus_archive_scaled(a, &s->flip);

@@ -43,8 +43,8 @@ void saltus_archive_array(saltus_archive *archive, double **values, size_t count
 void saltus_archive_sequence(saltus_archive *archive, saltus_sequence *sequence);
 /* The point's room is grown as needed. */
 void saltus_archive_point(saltus_archive *archive, saltus_curve_point *point);
-/* A solution with its survey, as far as later steps use it. */
-void saltus_archive_solution(saltus_archive *archive, saltus_solution *solution);
+/* A solution that has the shooting's sequence, with its survey, as far as later steps use it. */
+void saltus_archive_solution(saltus_archive *archive, const saltus_orbits *orbits, saltus_solution *solution);
 /* An equilibrium and the scales of the equations' rows; reading, the equations are shaped for it. Errors:
  * those of the evaluation. */
 saltus_status saltus_archive_rest(saltus_archive *archive, saltus_rests *rests, saltus_rest *rest,

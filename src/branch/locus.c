@@ -758,10 +758,9 @@ static saltus_status archive_here(saltus_locus *l, saltus_archive *a, saltus_mes
     if (x->differs)
         saltus_archive_finite(a, x->along, size * (count + 2));
     saltus_archive_point(a, &l->here.at);
-    saltus_archive_solution(a, &l->here.orbit);
-    bool marked = x->kind != SALTUS_POINT_GR || x->mark < l->here.orbit.sequence.count;
-    a->sound = a->sound && (!a->reading || (marked && l->here.at.unknowns == x->equations.unknowns &&
-                                            saltus_solution_fits(&x->orbits, &l->here.orbit)));
+    saltus_archive_solution(a, &x->orbits, &l->here.orbit);
+    const bool marked = x->kind != SALTUS_POINT_GR || x->mark < l->here.orbit.sequence.count;
+    a->sound = a->sound && (!a->reading || (marked && l->here.at.unknowns == x->equations.unknowns));
     return SALTUS_OK;
 }
 

@@ -177,21 +177,6 @@ bool saltus_solution_rests(const saltus_solution *s, const saltus_solution *near
            saltus_solution_way(s) < (near ? fmax(nothing, shrunk * saltus_solution_way(near)) : nothing);
 }
 
-bool saltus_solution_fits(const saltus_orbits *o, const saltus_solution *s) {
-    const saltus_sequence *own = saltus_shooting_sequence(o->shooting), *sequence = &s->sequence;
-    bool same = sequence->periods == own->periods && sequence->base == own->base &&
-                sequence->contacts == own->contacts && sequence->driven == own->driven &&
-                memcmp(sequence->anchor, own->anchor, (size_t)o->n * sizeof *own->anchor) == 0 &&
-                sequence->count == own->count && sequence->cuts == own->cuts &&
-                s->at.unknowns == o->equations->unknowns;
-    for (int k = 0; k < own->count && same; k++)
-        same = sequence->mark[k].kind == own->mark[k].kind && sequence->mark[k].face == own->mark[k].face &&
-               sequence->mark[k].driven == own->mark[k].driven;
-    for (int k = 0; k < own->cuts && same; k++)
-        same = sequence->cut[k] == own->cut[k];
-    return same;
-}
-
 saltus_status saltus_solution_visit(saltus_orbits *o, const saltus_solution *from, double ahead,
                                     saltus_solution *out, saltus_message *message) {
     saltus_status status = saltus_curve_visit(o->equations, &from->at, ahead, &out->at, message);

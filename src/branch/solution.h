@@ -92,8 +92,6 @@ double saltus_solution_way(const saltus_solution *solution);
 /* Whether an orbit whose period is an unknown is really an equilibrium, which closes after any time: it
  * hardly moves, absolutely or compared with an orbit `near` it (may be NULL). */
 bool saltus_solution_rests(const saltus_solution *solution, const saltus_solution *near);
-/* Whether a solution has the sequence of the shooting. */
-bool saltus_solution_fits(const saltus_orbits *orbits, const saltus_solution *solution);
 /* Fill in everything but tangent and survey from the shooting's last evaluation, at out->at.u. */
 saltus_status saltus_solution_see(saltus_orbits *orbits, saltus_solution *out, saltus_message *message);
 /* The point of the curve at arclength `ahead` from another. Errors: no such point near. */

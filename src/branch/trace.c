@@ -182,6 +182,5 @@ void saltus_trace_archive(saltus_trace *t, saltus_archive *a) {
             a->starved = a->starved || status == SALTUS_NO_MEMORY;
         }
     }
-    saltus_archive_solution(a, t->here);
-    a->sound = a->sound && (!a->reading || saltus_solution_fits(o, t->here));
+    saltus_archive_solution(a, o, t->here);
 }
