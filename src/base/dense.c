@@ -61,6 +61,19 @@ void saltus_dense_lu_close(saltus_dense_lu *lu) {
     *lu = (saltus_dense_lu){0};
 }
 
+double saltus_length(const double *v, int n) {
+    double length = 0;
+    for (int i = 0; i < n; i++)
+        length = hypot(length, v[i]);
+    return length;
+}
+
+void saltus_make_unit(double *v, int n) {
+    const double length = saltus_length(v, n);
+    for (int i = 0; i < n; i++)
+        v[i] /= length;
+}
+
 bool saltus_dense_finite(const double *a, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (!isfinite(a[i]))

@@ -46,6 +46,9 @@ static inline double saltus_dot(const double *a, const double *b, int n) {
         sum += a[i] * b[i];
     return sum;
 }
+/* Euclidean length, summed in the order of the entries; and scale a vector to length 1. */
+double saltus_length(const double *v, int n);
+void saltus_make_unit(double *v, int n);
 /* Whether no entry is infinite or not a number. */
 bool saltus_dense_finite(const double *a, size_t count);
 /* Equilibrate and factor a, which is not changed. sign, log_modulus and reciprocal are always set. False,

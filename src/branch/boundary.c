@@ -66,12 +66,6 @@ static int sign_of(bounce *b) {
     return b->lu.sign;
 }
 
-static double closes(const bounce *b, const double *state) {
-    double gap;
-    multiply(1, b->n, 1, b->row, state, &gap);
-    return gap;
-}
-
 /* Find the cycle of a period: `half` (n) becomes its state half a period after the impact, in units of the
  * gap between equilibrium and stop; *side: 1 if that gap is open, -1 if negative, 0 without such a cycle. */
 static saltus_status find_cycle(bounce *b, double period, double *half, int *side) {
@@ -87,20 +81,20 @@ static saltus_status find_cycle(bounce *b, double period, double *half, int *sid
         return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
     /* Choose the sign of y so that the gap closes before the impact. */
     multiply(n, n, 1, b->linear, state, moved);
-    const double gap = closes(b, state), speed = closes(b, moved);
+    const double gap = saltus_dot(b->row, state, n), speed = saltus_dot(b->row, moved, n);
     if (fabs(gap) < grazing || fabs(speed) * period < grazing)
         return SALTUS_OK;
     const double unit = copysign(fabs(gap), speed);
     for (int i = 0; i < n; i++)
         state[i] /= unit;
-    const double reach = closes(b, state);
+    const double reach = saltus_dot(b->row, state, n);
     multiply(n, n, 1, b->impact, state, moved);
     memcpy(state, moved, (size_t)n * sizeof *state);
     exponential(b, period / looks, b->flow);
     for (int k = 1; k < looks; k++) {
         multiply(n, n, 1, b->flow, state, moved);
         memcpy(state, moved, (size_t)n * sizeof *state);
-        if (closes(b, state) >= reach)
+        if (saltus_dot(b->row, state, n) >= reach)
             return SALTUS_OK;
         if (2 * k == looks)
             memcpy(half, state, (size_t)n * sizeof *half);

@@ -100,7 +100,7 @@ saltus_status saltus_curve_leaving(saltus_equations *e, const double *u, const d
                                    double *singular, saltus_message *message) {
     const double apart = 1e-5, nothing = 1e-8;
     const int m = e->unknowns, c = e->count;
-    double values[2] = {0}, form[2] = {0}, length = 0, *a = calloc((size_t)(m * (m + 4)), sizeof *a);
+    double values[2] = {0}, form[2] = {0}, *a = calloc((size_t)(m * (m + 4)), sizeof *a);
     double *one = a ? a + m * m : NULL, *other = one ? one + m : NULL, *left = one ? other + m : NULL,
            *aside = one ? left + m : NULL;
     saltus_status status = a ? saltus_equations_evaluate(e, u, message) : SALTUS_NO_MEMORY;
@@ -125,11 +125,10 @@ saltus_status saltus_curve_leaving(saltus_equations *e, const double *u, const d
         }
     }
     const bool told = fabs(form[0]) > nothing * (fabs(form[1]) + 2 * apart);
-    length = 0;
     for (int j = 0; j < m && status == SALTUS_OK; j++)
-        length = hypot(length, leaving[j] = other[j] - (told ? 0.5 * form[1] / form[0] : 0) * one[j]);
-    for (int j = 0; j < m && status == SALTUS_OK; j++)
-        leaving[j] /= length;
+        leaving[j] = other[j] - (told ? 0.5 * form[1] / form[0] : 0) * one[j];
+    if (status == SALTUS_OK)
+        saltus_make_unit(leaving, m);
     if (singular)
         *singular = values[1];
     free(a);
@@ -177,7 +176,7 @@ saltus_status saltus_curve_settle(saltus_equations *e, double *u, double *error,
     enum { rounds = 8 };
     const double sharp = 1e-9, nothing = 1e-14;
     const int m = e->unknowns, size = m + 1;
-    double values[2], length = INFINITY, best = INFINITY;
+    double values[2], best = INFINITY;
     settling s = {.matrix = calloc((size_t)(size * (size + 8)), sizeof *s.matrix)};
     if (!s.matrix || !saltus_dense_lu_open(&s.lu, size)) {
         free(s.matrix);
@@ -196,9 +195,7 @@ saltus_status saltus_curve_settle(saltus_equations *e, double *u, double *error,
         status = find_left(e, s.plane + m, s.matrix, s.b);
     for (int round = 0; round < rounds && status == SALTUS_OK && best > nothing; round++) {
         status = settling_step(e, &s, u, message);
-        length = 0;
-        for (int j = 0; j < m && status == SALTUS_OK; j++)
-            length = hypot(length, s.step[j]);
+        const double length = saltus_length(s.step, m);
         if (status != SALTUS_OK || !(length < best))
             break;
         best = length;

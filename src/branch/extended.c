@@ -6,13 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double length_of(const double *v, int count) {
-    double length = 0;
-    for (int i = 0; i < count; i++)
-        length = hypot(length, v[i]);
-    return length;
-}
-
 void saltus_extended_close(saltus_extended *x) {
     saltus_arena_close(&x->arena);
     x->arena = (saltus_arena){0};
@@ -179,7 +172,7 @@ static saltus_status renew_along(saltus_extended *x, const double *u, saltus_mes
     for (int k = 0; k < x->copies * places && status == SALTUS_OK; k++) {
         const double *v = x->right + k / places * c;
         double *out = x->fresh + k / places * c * m;
-        const double by = place[k % places], length = length_of(v, c),
+        const double by = place[k % places], length = saltus_length(v, c),
                      factor = (x->sharp ? share[k % places] : 0.5 * by) * length / apart;
         memcpy(x->aside, u, (size_t)m * sizeof *u);
         for (int j = 0; j < c; j++)
@@ -272,7 +265,7 @@ void saltus_extended_renew(saltus_extended *x, const double *u) {
     int c = x->orbits.equations->count, size = x->copies * c;
     if (x->kind == SALTUS_POINT_GR)
         return;
-    const double right = length_of(x->right, size), left = length_of(x->left, size);
+    const double right = saltus_length(x->right, size), left = saltus_length(x->left, size);
     for (int i = 0; i < size; i++) {
         x->c[i] = x->right[i] / right;
         x->b[i] = x->left[i] / left;
@@ -283,7 +276,7 @@ void saltus_extended_renew(saltus_extended *x, const double *u) {
 double saltus_extended_double(const saltus_extended *x, double *rounding) {
     const double digits = 1e-12;
     const int c = x->orbits.equations->count, row = saltus_shooting_closing_row(x->orbits.shooting);
-    *rounding = digits * length_of(x->left, c) * length_of(x->right, c);
+    *rounding = digits * saltus_length(x->left, c) * saltus_length(x->right, c);
     return saltus_dot(x->left + row, x->right, x->orbits.n);
 }
 
@@ -304,7 +297,7 @@ saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, d
     const int c = e->count, m = e->unknowns;
     const bool flips = x->kind == SALTUS_POINT_PD;
     const double *v = x->right, *w = x->left;
-    const double length = length_of(v, c);
+    const double length = saltus_length(v, c);
     double cubic = 0, *work = calloc((size_t)(c * c + 2 * c + 1), sizeof *work);
     saltus_dense_lu lu = {.n = 0};
     if (!work || !saltus_dense_lu_open(&lu, c)) {

@@ -196,17 +196,13 @@ bool saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_hopf *hopf)
 
 void saltus_hopf_direction(const saltus_rests *r, const saltus_hopf *hopf, double *tangent) {
     const double *observer = saltus_system_observer(r->system), *a = hopf->vector[0], *b = hopf->vector[1];
-    double size = 0;
     /* Where the observed displacement of Re(q e^(i phi)) is largest, it turns. */
     const double along[2] = {saltus_dot(observer, a, r->dof), saltus_dot(observer, b, r->dof)};
     const double length = hypot(along[0], along[1]);
     const double cosine = length > 0 ? along[0] / length : 1, sine = length > 0 ? along[1] / length : 0;
-    for (int i = 0; i < r->n; i++) {
-        tangent[i] = (cosine * a[i] + sine * b[i]) / r->state_scale[i];
-        size = hypot(size, tangent[i]);
-    }
     for (int i = 0; i < r->n; i++)
-        tangent[i] /= size;
+        tangent[i] = (cosine * a[i] + sine * b[i]) / r->state_scale[i];
+    saltus_make_unit(tangent, r->n);
 }
 
 saltus_status saltus_hopf_aside(saltus_orbits *o, const double *parameters, const double *rest,

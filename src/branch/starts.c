@@ -85,13 +85,9 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     const int m = start.unknowns;
     const double a = pitchfork ? plane[m - 1] : saltus_dot(plane, old, m),
                  c = pitchfork ? plane[2 * m - 1] : saltus_dot(plane + m, old, m);
-    double size = 0;
-    for (int j = 0; j < m; j++) {
-        start.tangent[j] = c * plane[j] - a * plane[m + j];
-        size = hypot(size, start.tangent[j]);
-    }
     for (int j = 0; j < m; j++)
-        start.tangent[j] /= size;
+        start.tangent[j] = c * plane[j] - a * plane[m + j];
+    saltus_make_unit(start.tangent, m);
     /* At pitchforks and flips the other half of the branch is the image of this half. */
     return saltus_starts_add_ways(starts, &start, pitchfork, message);
 }
