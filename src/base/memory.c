@@ -49,3 +49,12 @@ void *saltus_list_grow(saltus_list *list, size_t size, bool *failed) {
     *failed |= !entry;
     return entry;
 }
+
+void saltus_swap(void *a, void *b, size_t size) {
+    unsigned char *one = a, *other = b;
+    for (size_t k = 0; k < size; k++) {
+        const unsigned char kept = one[k];
+        one[k] = other[k];
+        other[k] = kept;
+    }
+}

@@ -1,5 +1,5 @@
 /* Arenas: one aligned block per object, carved into arrays, so that an object is allocated, checked and freed
- * once. And growing lists.
+ * once. Growing lists, and exchanges.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BASE_MEMORY_H
 #define SALTUS_BASE_MEMORY_H
@@ -25,6 +25,10 @@ bool saltus_arena_again(saltus_arena *arena);
 
 /* Free what the arena holds. A zeroed arena is accepted. */
 void saltus_arena_close(saltus_arena *arena);
+
+/* Exchange two things of one type; and any two things of `size` bytes. */
+#define SALTUS_SWAP(a, b) saltus_swap(true ? &(a) : &(b), &(b), sizeof(a))
+void saltus_swap(void *a, void *b, size_t size);
 
 /* Contiguous entries of one size. A zeroed list is empty. The caller frees `items`. */
 typedef struct saltus_list {

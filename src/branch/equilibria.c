@@ -125,12 +125,6 @@ static void end(saltus_equilibria *e, const saltus_rest *s, double ahead, const 
     give(e, s, (saltus_notice){.kind = SALTUS_POINT_EP, .ahead = ahead, .accuracy = NAN, .reason = reason});
 }
 
-static void swap(saltus_rest **a, saltus_rest **b) {
-    saltus_rest *kept = *a;
-    *a = *b;
-    *b = kept;
-}
-
 /* The tangent's component in the parameter. */
 static double heading_of(const saltus_rest *s) {
     return s->at.tangent[s->at.unknowns - 1];
@@ -474,7 +468,7 @@ static void meet(saltus_equilibria *e, int face, saltus_zero zero) {
         return;
     }
     saltus_trail_jump(trail, zero.ahead);
-    swap(&e->here, &e->spare);
+    SALTUS_SWAP(e->here, e->spare);
 }
 
 void saltus_equilibria_advance(saltus_equilibria *e) {
@@ -528,7 +522,7 @@ void saltus_equilibria_advance(saltus_equilibria *e) {
         saltus_trail_shown(trail, ahead);
     }
     trail->arclength += ahead;
-    swap(&e->here, &e->next);
+    SALTUS_SWAP(e->here, e->next);
     saltus_curve_bend(&e->next->at, &e->here->at);
 }
 

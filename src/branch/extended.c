@@ -102,11 +102,8 @@ saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_me
     for (int side = 0; side < 2 && status == SALTUS_OK; side++) {
         fill_singular(x, theta, a, size);
         for (int i = 0; i < size && side; i++)
-            for (int j = 0; j < i; j++) {
-                const double swap = a[i * size + j];
-                a[i * size + j] = a[j * size + i];
-                a[j * size + i] = swap;
-            }
+            for (int j = 0; j < i; j++)
+                SALTUS_SWAP(a[i * size + j], a[j * size + i]);
         status = find_null(x, a, size, side ? x->b : x->c, x->folding[side], &folds[side]);
     }
     x->folds = status == SALTUS_OK && folds[0] && folds[1];

@@ -91,10 +91,8 @@ static bool reframe(saltus_orbits *o, bool trims, bool leaves, bool more, saltus
         saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &s->sequence, NULL));
         return false;
     }
-    saltus_survey_swap(s, scratch);
-    saltus_solution swap = *s;
-    *s = *scratch;
-    *scratch = swap;
+    SALTUS_SWAP(s->survey, scratch->survey);
+    SALTUS_SWAP(*s, *scratch);
     return true;
 }
 

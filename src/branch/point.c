@@ -88,11 +88,8 @@ static void fold_events(saltus_event *events, int count, int periods) {
         events[k].time.cycle = ((events[k].time.cycle % periods) + periods) % periods;
     for (int k = 1; k < count; k++)
         for (int j = k;
-             j > 0 && saltus_time_periods(events[j].time) < saltus_time_periods(events[j - 1].time); j--) {
-            saltus_event swap = events[j];
-            events[j] = events[j - 1];
-            events[j - 1] = swap;
-        }
+             j > 0 && saltus_time_periods(events[j].time) < saltus_time_periods(events[j - 1].time); j--)
+            SALTUS_SWAP(events[j], events[j - 1]);
 }
 
 /* Whether an event of the flow lies in a stretch that the marks leave to the flow. */

@@ -328,9 +328,7 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
         return SALTUS_OK;
     trail->step = saltus_curve_next_step(trail->step, next->at.iterations, trail->options->step_max);
     trail->arclength += next->at.ahead;
-    const saltus_rest swap = l->here;
-    l->here = l->next;
-    l->next = swap;
+    SALTUS_SWAP(l->here, l->next);
     saltus_curve_bend(&l->next.at, &l->here.at);
     return renew(l, l->here.at.u, message);
 }
