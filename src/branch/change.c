@@ -453,9 +453,7 @@ static double find_vanishing(saltus_orbits *o, const saltus_solution *here, doub
         /* The last part may have ended there only because its tangent was no longer good enough. */
         if (vanishes && fabs(at->at.ahead) < still)
             return same_contacts(&at->survey, &here->survey) ? width : NAN;
-        saltus_solution reached = *at;
-        *at = *scratch;
-        *scratch = reached;
+        SALTUS_SWAP(*at, *scratch);
         from = scratch;
     }
     return NAN;

@@ -56,11 +56,8 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
     for (int k = 0; k < samples && status == SALTUS_OK; k++) {
         /* Orbits with slow impacts are close to those without them, on which a long step would end. */
         const bool follows = by == BY_SPEED && k > 0;
-        if (follows) {
-            const saltus_locus_point last = *at;
-            *at = before;
-            before = last;
-        }
+        if (follows)
+            SALTUS_SWAP(*at, before);
         /* Rounding may be more than the first tolerance. */
         double tolerance = sharpest;
         status = saltus_locus_reach(x, follows ? &before.at : &here->at,

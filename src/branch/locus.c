@@ -284,9 +284,7 @@ static bool is_closed(saltus_locus *l) {
 
 /* `next` becomes `here`. */
 static void step_on(saltus_locus *l) {
-    saltus_locus_point point = l->here;
-    l->here = l->next;
-    l->next = point;
+    SALTUS_SWAP(l->here, l->next);
     l->trail->arclength += l->here.at.ahead;
     l->x.folds = false;
     saltus_curve_bend(&l->next.at, &l->here.at);
@@ -673,12 +671,12 @@ static saltus_status pass_corner(saltus_locus *l, const struct saltus_locus_zero
     /* At a touch it is chance whether the flow meets the impact: use the survey of an orbit just before. */
     if (l->next.corners[own].breach && l->x.kind != SALTUS_POINT_GR &&
         saltus_locus_visit(&l->x, &l->here, zero->place - just_before, &l->trial))
-        saltus_survey_swap(&before, &l->trial.orbit);
+        SALTUS_SWAP(before.survey, l->trial.orbit.survey);
     const bool found = saltus_locus_visit_zero(&l->x, &l->here, zero, &l->trial);
     if (found && l->trial.corners[own].breach && l->x.kind != SALTUS_POINT_GR)
         saltus_locus_sharpen_end(&l->x, &l->here, &l->trial);
     if (before.survey.walked)
-        saltus_survey_swap(&before, &l->trial.orbit);
+        SALTUS_SWAP(before.survey, l->trial.orbit.survey);
     saltus_solution_clear(&before);
     l->x.sharp = false;
     /* Where the orbit closes after half the period, or is its own mirror image, determinants are rounding.

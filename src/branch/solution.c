@@ -102,12 +102,6 @@ void saltus_solution_head(saltus_solution *s, double heading) {
         saltus_curve_turn(&s->at);
 }
 
-void saltus_survey_swap(saltus_solution *a, saltus_solution *b) {
-    saltus_survey swap = a->survey;
-    a->survey = b->survey;
-    b->survey = swap;
-}
-
 saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
     const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &s->breach_count);
     if (s->breach_count > s->breach_room) {
@@ -228,11 +222,8 @@ static saltus_status walk_in_pieces(saltus_orbits *o, saltus_solution *s, saltus
     *follows = status == SALTUS_OK && saltus_sequence_follows(&pieces, &lap);
     if (*follows && cocycle)
         status = walk(o, &pieces, states, cocycle, given, &lap, message);
-    if (*follows && status == SALTUS_OK) {
-        const saltus_lap swap = s->survey.lap;
-        s->survey.lap = lap;
-        lap = swap;
-    }
+    if (*follows && status == SALTUS_OK)
+        SALTUS_SWAP(s->survey.lap, lap);
     saltus_lap_close(&lap);
     saltus_shooting_free(shooting);
     return status;

@@ -109,8 +109,6 @@ void saltus_solution_label(saltus_orbits *orbits, const saltus_solution *solutio
 /* Walk, and compute the multipliers on the way. */
 saltus_status saltus_solution_survey(saltus_orbits *orbits, saltus_solution *solution,
                                      saltus_message *message);
-/* Exchange the surveys of two solutions. */
-void saltus_survey_swap(saltus_solution *a, saltus_solution *b);
 /* The speeds towards the stop of the impacts among the marks; 0 for other marks. */
 void saltus_solution_speeds(const saltus_orbits *orbits, const saltus_solution *solution, double *speed);
 /* The state at `time`, from the solution's base to one orbit later, through the prescribed events. Errors:

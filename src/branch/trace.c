@@ -123,9 +123,8 @@ static saltus_status locate_returns(saltus_trace *t, int before, saltus_message 
     if (count == after && status == SALTUS_OK)
         ((saltus_branch_point *)queue->items)[last].reason[0] = 0;
     for (int k = last; k + 1 < queue->count; k++) {
-        saltus_branch_point *pair = (saltus_branch_point *)queue->items + k, point = pair[0];
-        pair[0] = pair[1];
-        pair[1] = point;
+        saltus_branch_point *pair = (saltus_branch_point *)queue->items + k;
+        SALTUS_SWAP(pair[0], pair[1]);
     }
     return status;
 }
@@ -144,7 +143,7 @@ saltus_status saltus_trace_accept(saltus_trace *t, bool bends, bool must, const 
     }
     t->trail->arclength += t->next->at.ahead;
     t->trail->fresh = false;
-    saltus_trace_swap(&t->here, &t->next);
+    SALTUS_SWAP(t->here, t->next);
     if (bends)
         saltus_curve_bend(&t->next->at, &t->here->at);
     if (status == SALTUS_OK && t->trail->following)

@@ -79,10 +79,4 @@ saltus_status saltus_trace_follow_grazing(saltus_trace *trace, const saltus_solu
 bool saltus_trace_was_joined(saltus_trace *trace, const saltus_solution *solution, saltus_point_kind kind,
                              double value, int *other);
 
-static inline void saltus_trace_swap(saltus_solution **a, saltus_solution **b) {
-    saltus_solution *kept = *a;
-    *a = *b;
-    *b = kept;
-}
-
 #endif

@@ -124,7 +124,7 @@ static saltus_status visit_special(saltus_trace *t, const saltus_hopf_ahead *hop
     if (special->kind != SALTUS_POINT_HB) {
         status = saltus_special_visit(o, t->here, t->next->at.ahead, special, t->trial, is_one, message);
     } else if ((*is_one = hopf->is_one)) {
-        saltus_trace_swap(&t->trial, &t->other);
+        SALTUS_SWAP(t->trial, t->other);
         if (shrunk->found)
             status = saltus_cycle_shrink(o, shrunk, t->trial, message);
         special->kind = shrunk->found ? SALTUS_POINT_HB : SALTUS_POINT_EP;
@@ -232,7 +232,7 @@ static saltus_status go_over(saltus_trace *t, saltus_notice what, double distanc
         return status;
     saltus_trail_jump(t->trail, distance);
     t->spare->at.ahead = 0;
-    saltus_trace_swap(&t->here, &t->spare);
+    SALTUS_SWAP(t->here, t->spare);
     status = saltus_trace_give(t, t->here, (saltus_notice){.accuracy = NAN}, message);
     t->trail->regular++;
     return status;
@@ -357,8 +357,8 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
                                 message);
     t->trail->arclength += at->at.ahead;
     saltus_births_note(&t->births, beyond.count > at->sequence.count, at->parameter[0]);
-    saltus_trace_swap(&t->here, &t->spare);
-    saltus_trace_swap(&t->next, &t->trial);
+    SALTUS_SWAP(t->here, t->spare);
+    SALTUS_SWAP(t->next, t->trial);
     t->trail->step = fmax(t->next->at.ahead, 0.25 * t->trail->step);
     status = saltus_trace_leave_grazing(t, message);
     return status == SALTUS_OK && t->trail->following && t->births.count == saltus_births_length
@@ -383,7 +383,7 @@ static saltus_status settle(saltus_trace *t, saltus_message *message) {
         saltus_change_retrace(&t->orbits, t->next, t->spare, t->other, &what.value, &what.accuracy);
     if (retraced) {
         t->spare->at.ahead = t->next->at.ahead;
-        saltus_trace_swap(&t->next, &t->spare);
+        SALTUS_SWAP(t->next, t->spare);
     }
     if (change.kind != SALTUS_POINT_REGULAR)
         status = saltus_trace_give(t, t->trial, what, message);
@@ -514,7 +514,7 @@ static bool jumps(saltus_trace *t) {
         if (apart > close * far->ahead)
             return true;
         far = &middle->at;
-        saltus_trace_swap(&middle, &free);
+        SALTUS_SWAP(middle, free);
     }
     return false;
 }
@@ -559,7 +559,7 @@ static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *re
     *breach = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, t->here, t->next, t->trial);
     if (!breach->found)
         return SALTUS_OK;
-    saltus_trace_swap(&t->next, &t->trial);
+    SALTUS_SWAP(t->next, t->trial);
     *reached = -1;
     for (int k = 0; k < 2; k++)
         if (fabs(t->next->parameter[0] - t->range[k]) < saltus_at_border) {
@@ -574,7 +574,7 @@ static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *re
             saltus_solution_visit(o, t->here, t->next->at.ahead - back, t->trial, NULL) != SALTUS_OK)
             break;
         status = saltus_solution_survey(o, t->trial, message);
-        saltus_survey_swap(t->trial, t->next);
+        SALTUS_SWAP(t->trial->survey, t->next->survey);
         surveyed = true;
     }
     return surveyed ? status : saltus_solution_survey(o, t->next, message);
