@@ -469,7 +469,7 @@ static double find_vanished(saltus_orbits *o, const saltus_solution *here, doubl
     for (int k = 0; k < rounds && !isnan(width); k++) {
         double parameter = at->parameter[0], before = at->worst.value;
         double back = fmax(beyond * beyond_contact(here, at, *ahead), 1e-10);
-        memcpy(state, at->survey.lap.points, (size_t)o->n * sizeof *state);
+        memcpy(state, at->state, (size_t)o->n * sizeof *state);
         if (!shoot_freely(o, &at->sequence, &parameter, state, scratch) ||
             !same_contacts(&scratch->survey, &here->survey))
             break;
