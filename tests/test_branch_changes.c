@@ -618,6 +618,69 @@ static void no_torus_begins_where_nothing_is_lost(void **unused) {
     }
 }
 
+/* A second chatter of an orbit completes where it ceases to seen from the other side, wherever in the orbit's
+ * periods the branch cuts it open. */
+static void a_second_chatter_completes(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    double place[2], accuracy[2];
+    for (int way = 0; way < 2; way++) {
+        saltus_branch_options options = branch_along("r", way ? 0.4 : 0.64, way ? 0.8 : 0.648);
+        options.direction = way ? -1 : 1;
+        branch_record record = run_from("chatter", way ? "r=0.652" : "r=0.645", 0, NULL, &options);
+        int changes = 0;
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            assert_int_not_equal(p->kind, SALTUS_POINT_ST);
+            if (p->kind != SALTUS_POINT_CH)
+                continue;
+            place[way] = p->value[0];
+            accuracy[way] = p->accuracy;
+            changes++;
+        }
+        assert_int_equal(changes, 1);
+        assert_string_equal(last_of(&record)->reason, "end of the parameter's range");
+        branch_forget(&record);
+    }
+    check_near(place[0], place[1], accuracy[0] + accuracy[1]);
+}
+
+/* Between the grazings of a long run multipliers change so fast that rounding moves a pair off the unit
+ * circle: all the same a torus begins before each flip. */
+static void tori_between_the_grazings_of_a_run(void **unused) {
+    (void)unused;
+    static const saltus_point_kind kinds[] = {SALTUS_POINT_NS, SALTUS_POINT_PD, SALTUS_POINT_GR};
+    saltus_branch_options options = branch_along("r", 0.8012, 0.8024);
+    options.direction = 1;
+    options.step_max = 0.04;
+    branch_record record = run_from("fig7d", "omega=24.6295 d=0.0353832 r=0.8014", 0, NULL, &options);
+    const saltus_branch_point *p;
+    int at = 0, count = 0;
+    for (; (p = branch_next_special(&record, 0, &at)); count++)
+        assert_int_equal(p->kind, kinds[count % 3]);
+    assert_int_equal(count, 9);
+    branch_forget(&record);
+}
+
+/* Where the table only just lifts the ball off, rounding hides all orbits: nothing special is seen there but
+ * the place where the ball stays down. */
+static void nothing_is_named_within_rounding(void **unused) {
+    (void)unused;
+    branch_record record =
+        run_in_steps("vibrating-table", "F=1.16165 r=0.589792", "F", 0.84731541, 1.2255505, 2, 0.02);
+    int held = 0, at = 0;
+    const saltus_branch_point *p;
+    for (int branch = 0; branch < 2; branch++, at = 0)
+        while ((p = branch_next_special(&record, branch, &at))) {
+            assert_int_equal(p->kind, SALTUS_POINT_CH);
+            check_near(p->value[0], 1, p->accuracy);
+            held++;
+        }
+    assert_int_equal(held, 1);
+    assert_int_equal(last_of(&record)->branch, 1);
+    branch_forget(&record);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doubled_orbits_end_at_flips),
@@ -636,6 +699,9 @@ int main(void) {
         cmocka_unit_test(a_branch_joined_twice_is_followed_once),
         cmocka_unit_test(halves_that_are_all_but_alike),
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
+        cmocka_unit_test(a_second_chatter_completes),
+        cmocka_unit_test(tori_between_the_grazings_of_a_run),
+        cmocka_unit_test(nothing_is_named_within_rounding),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

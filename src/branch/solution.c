@@ -367,11 +367,12 @@ const saltus_breach *saltus_solution_touch(const saltus_solution *at) {
     return &at->worst;
 }
 
-bool saltus_pair_on_circle(const saltus_survey *survey, double close) {
+double saltus_pair_off_circle(const saltus_survey *survey) {
+    double off = INFINITY;
     for (int i = 0; i < survey->multiplier_count; i++)
-        if (fabs(survey->multipliers[i].log_modulus) < close && survey->multipliers[i].im != 0)
-            return true;
-    return false;
+        if (survey->multipliers[i].im != 0 && fabs(survey->multipliers[i].log_modulus) < fabs(off))
+            off = survey->multipliers[i].log_modulus;
+    return off;
 }
 
 double saltus_test_value(saltus_test test, double target, const saltus_solution *s,

@@ -152,9 +152,9 @@ double saltus_solution_part_distance(saltus_orbits *orbits, const saltus_solutio
  * decides which breach is the worst, it is a death. */
 const saltus_breach *saltus_solution_touch(const saltus_solution *at);
 
-/* Whether a complex pair of multipliers is on the unit circle, by the logarithm of its modulus, and not two
- * real ones whose product is 1. */
-bool saltus_pair_on_circle(const saltus_survey *survey, double close);
+/* The logarithm of the modulus of the pair of complex multipliers that is closest to the unit circle;
+ * INFINITY if there is none. */
+double saltus_pair_off_circle(const saltus_survey *survey);
 
 /* Functions whose zeros along a branch are special points. */
 typedef enum saltus_test {

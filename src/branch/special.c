@@ -143,7 +143,8 @@ static bool lacks_multiplier(const saltus_solution *at, saltus_point_kind kind) 
 /* Whether a pair stays on the unit circle, as of orbits without damping: it crosses by rounding only. */
 static bool stays_on_circle(const saltus_solution *from, const saltus_solution *to) {
     const double rounding = 1e-9;
-    return saltus_pair_on_circle(&from->survey, rounding) && saltus_pair_on_circle(&to->survey, rounding);
+    return fabs(saltus_pair_off_circle(&from->survey)) < rounding &&
+           fabs(saltus_pair_off_circle(&to->survey)) < rounding;
 }
 
 /* Add the zeros of tests. A test may have two zeros on a step around the zero of another one: where a branch
@@ -461,12 +462,27 @@ static bool forgets_all(const saltus_survey *survey) {
     return all && survey->multiplier_count > 0;
 }
 
+/* Whether a pair of multipliers crosses the unit circle at `ahead`, where the orbit is `at`. Where they
+ * change fast rounding moves them off the circle; then orbits just before and beyond tell. `at` is
+ * overwritten, and restored. */
+static bool crosses_circle(saltus_orbits *o, const saltus_solution *from, double ahead, saltus_solution *at) {
+    const double circle = 1e-6, close = 1e-3, off = saltus_pair_off_circle(&at->survey);
+    double beside[2];
+    if (!(fabs(off) > circle && fabs(off) < close))
+        return fabs(off) <= circle;
+    for (int k = 0; k < 2; k++)
+        beside[k] =
+            look(o, from, ahead + (k ? apart : -apart), at) ? saltus_pair_off_circle(&at->survey) : INFINITY;
+    return look(o, from, ahead, at) && fabs(beside[0]) < INFINITY && fabs(beside[1]) < INFINITY &&
+           beside[0] * beside[1] < 0;
+}
+
 saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double reach,
                                    saltus_special *special, saltus_solution *at, bool *is_one,
                                    saltus_message *message) {
     saltus_zero crossing = {.found = false};
     const double still = 0.2; /* relative to the orbit before */
-    const double sharp = 1e-7, circle = 1e-6;
+    const double sharp = 1e-7;
     *is_one = false;
     saltus_test by = special->kind == SALTUS_POINT_HB ? SALTUS_TEST_ONWARD : SALTUS_TEST_CROSSING;
     if (special->kind == SALTUS_POINT_BP || special->kind == SALTUS_POINT_HB)
@@ -480,7 +496,7 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
     if (status != SALTUS_OK)
         return status;
     special->value = at->value;
-    *is_one = special->kind == SALTUS_POINT_NS ? saltus_pair_on_circle(&at->survey, circle)
+    *is_one = special->kind == SALTUS_POINT_NS ? crosses_circle(o, from, special->ahead, at)
               : special->kind == SALTUS_POINT_HB
                   ? at->speed < still
                   : special->test == SALTUS_TEST_VALUE || !forgets_all(&at->survey);
@@ -490,8 +506,10 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
     if (*is_one && !ends && !crossing.found && special->test != SALTUS_TEST_VALUE)
         special->accuracy += saltus_special_doubt(o, special->test, at);
     const bool vague = at->sequence.omega > 0 || !(special->accuracy < sharp * o->family.unit[0]);
+    /* Where the flow does not complete the orbit, only the place itself can tell. */
+    const bool shown = at->survey.walked || isfinite(special->accuracy);
     if (by_determinant && !ends && vague)
-        *is_one = *is_one && !lacks_multiplier(at, special->kind);
+        *is_one = *is_one && shown && !lacks_multiplier(at, special->kind);
     return status;
 }
 
