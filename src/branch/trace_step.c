@@ -188,8 +188,30 @@ static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf
     return give_branching(t, t->trial, what, NULL, message);
 }
 
-/* Give out all special points of the step from `here` to `next`, in order. */
-static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_message *message) {
+/* A step may leap from one curve to another where these turn sharply beside one another. They then seem to
+ * cross, although no orbit there is a branch point. *again: they do, and shorter steps may follow the curve.
+ */
+static saltus_status seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const saltus_special *specials,
+                               int count, bool *again, saltus_message *message) {
+    const double least = 1e-5;
+    saltus_status status = SALTUS_OK;
+    *again = false;
+    for (int k = 0; k < count && status == SALTUS_OK && !*again && t->next->at.ahead > least; k++) {
+        saltus_special special = specials[k];
+        bool is_one = true;
+        if (special.kind == SALTUS_POINT_BP)
+            status = visit_special(t, hopf, &special, &is_one, message);
+        *again = !is_one;
+    }
+    if (*again)
+        t->trail->step = 0.5 * t->next->at.ahead;
+    return status;
+}
+
+/* Give out all special points of the step from `here` to `next`, in order; *again: the step is to be repeated
+ * instead, with a shorter one (NULL: it cannot be). */
+static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, bool *again,
+                                   saltus_message *message) {
     const saltus_branch_options *options = t->trail->options;
     saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 10];
     double targets[SALTUS_BRANCH_VALUES_MAX + 1];
@@ -206,7 +228,9 @@ static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hop
     const int count =
         saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
                             hopf->found ? &hopf->special : NULL, targets, kinds, asked, specials, t->trial);
-    saltus_status status = SALTUS_OK;
+    saltus_status status = again ? seek_leap(t, hopf, specials, count, again, message) : SALTUS_OK;
+    if (status != SALTUS_OK || (again && *again))
+        return status;
     for (int k = 0; k < count && status == SALTUS_OK && t->trail->following; k++)
         status = give_special(t, hopf, &specials[k], message);
     return status;
@@ -303,7 +327,7 @@ saltus_status saltus_trace_leave_grazing(saltus_trace *t, saltus_message *messag
     saltus_status status =
         saltus_cycle_seek_hopf(&t->orbits, t->here, t->next, t->other, t->trial, &hopf, &misses, message);
     if (status == SALTUS_OK)
-        status = give_specials(t, &hopf, message);
+        status = give_specials(t, &hopf, NULL, message);
     return status == SALTUS_OK && t->trail->following ? saltus_trace_accept(t, true, false, NULL, message)
                                                       : status;
 }
@@ -667,8 +691,8 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
         trail->step = hidden;
         return SALTUS_OK;
     }
-    status = give_specials(t, &hopf, message);
-    if (status != SALTUS_OK || !trail->following)
+    status = give_specials(t, &hopf, &again, message);
+    if (again || status != SALTUS_OK || !trail->following)
         return status;
     trail->step = saltus_curve_next_step(trail->step, t->next->at.iterations, longest_step(t, t->next));
     if (reached >= 0)
