@@ -466,6 +466,25 @@ static void a_flip_beside_a_join_is_found(void **unused) {
         branch_forget(&record);
     }
     branch_forget(&from);
+    /* Without impacts; just before the join a long step does not reach the orbits of this branch. */
+    static const double state[] = {-1.01881165992428, 0.7740795527839901};
+    const double longest[] = {0.01, 0.03, 0.04};
+    double value = 0, accuracy = 0;
+    for (int k = 0; k < 3; k++) {
+        saltus_branch_options options = branch_along("omega", 0.99273592, 1.9287617);
+        options.step = options.step_max = longest[k];
+        options.direction = 1;
+        branch_record record = run_from(
+            "duffing", "c=0.367876 F=0.518635 d=0.973354 omega=1.4036203405829477", 8, state, &options);
+        const saltus_branch_point *join = last_of(&record) - 1, *before = join - 1;
+        assert_string_equal(join->reason, "joins the orbits of half the period");
+        assert_int_equal(before->kind, SALTUS_POINT_PD);
+        if (k)
+            check_near(before->value[0], value, accuracy + before->accuracy);
+        value = before->value[0];
+        accuracy = before->accuracy;
+        branch_forget(&record);
+    }
 }
 
 /* The only point of a kind in a record. */

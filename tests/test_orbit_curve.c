@@ -480,7 +480,9 @@ static void all_of_a_step_is_found(void **state) {
         const double targets[3] = {from.value + 0.6 * (to.value - from.value), from.value + 7,
                                    from.value + 0.1 * (to.value - from.value)};
         const saltus_point_kind kinds[3] = {SALTUS_POINT_UZ, SALTUS_POINT_UZ, SALTUS_POINT_UZ};
-        int count = saltus_special_find(&f.orbits, &from, &to, false, NULL, targets, kinds, 3, found, &at),
+        bool hidden;
+        int count = saltus_special_find(&f.orbits, &from, &to, false, NULL, targets, kinds, 3, found, &hidden,
+                                        &at),
             special = -1;
         assert_int_equal(count, 3);
         for (int j = 0; j < count; j++) {

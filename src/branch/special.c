@@ -154,7 +154,7 @@ static bool stays_on_circle(const saltus_solution *from, const saltus_solution *
  * determinants are rounding, as far as the square root of the error of the parameter there, except that of
  * flips at a branch of twice the period: the next place is beyond it. */
 static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
-                      saltus_special *specials, saltus_solution *scratch) {
+                      saltus_special *specials, bool *hidden, saltus_solution *scratch) {
     static const saltus_special kinds[] = {{.kind = SALTUS_POINT_LP, .test = SALTUS_TEST_FOLD},
                                            {.kind = SALTUS_POINT_PD, .test = SALTUS_TEST_FLIP},
                                            {.kind = SALTUS_POINT_BP, .test = SALTUS_TEST_CROSSING},
@@ -188,8 +188,10 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
                 if (test == SALTUS_TEST_CROSSING) {
                     const double early = just * to->at.ahead,
                                  image = image_of_fold(specials, count, ahead, early, to);
+                    const int without = known;
                     known = insert(o, from, ahead - early, 1u << test | 1u << SALTUS_TEST_FOLD, scratch,
                                    places, known);
+                    *hidden = *hidden || (known == without && known < places_max && ahead > early);
                     known =
                         insert(o, from, image, fresh && image < beyond ? vague : 0, scratch, places, known);
                 } else {
@@ -229,8 +231,9 @@ bool saltus_special_hopf(saltus_orbits *o, const saltus_solution *from, const sa
 
 int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
                         const saltus_special *hopf, const double *targets, const saltus_point_kind *kinds,
-                        int target_count, saltus_special *specials, saltus_solution *scratch) {
-    int count = add_tested(o, from, to, fresh, specials, scratch);
+                        int target_count, saltus_special *specials, bool *hidden, saltus_solution *scratch) {
+    *hidden = false;
+    int count = add_tested(o, from, to, fresh, specials, hidden, scratch);
     for (int k = 0; k < target_count; k++) {
         const saltus_special wanted = {.kind = kinds[k], .test = SALTUS_TEST_VALUE, .target = targets[k]};
         count = add_along(o, from, to, wanted, specials, count, scratch);

@@ -24,11 +24,13 @@ int saltus_special_insert(saltus_special found, saltus_special *specials, int co
 /* Find all places between `from` and `to` where tests change sign, in order of arclength; returns their
  * number. `fresh`: at the beginning of a branch that was switched to; the determinants are then rounding, and
  * only targets are searched. `targets`: parameter values to search for, of these `kinds`; `hopf` (may be
- * NULL): found by saltus_special_hopf. `specials` has room for target_count + 9; `scratch` is overwritten. */
+ * NULL): found by saltus_special_hopf. `specials` has room for target_count + 9; `scratch` is overwritten.
+ * *hidden: just before a crossing of curves the orbits of this one were not reached, so that others may be
+ * missing. */
 int saltus_special_find(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                         bool fresh, const saltus_special *hopf, const double *targets,
                         const saltus_point_kind *kinds, int target_count, saltus_special *specials,
-                        saltus_solution *scratch);
+                        bool *hidden, saltus_solution *scratch);
 /* The place where cycles seem to shrink to an equilibrium; false: there is none. */
 bool saltus_special_hopf(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                          saltus_special *special, saltus_solution *scratch);

@@ -189,18 +189,20 @@ static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf
 }
 
 /* A step may leap from one curve to another where these turn sharply beside one another. They then seem to
- * cross, although no orbit there is a branch point. *again: they do, and shorter steps may follow the curve.
- */
+ * cross, although no orbit there is a branch point. *again: they do, or special points cannot be reached or
+ * may be `hidden`, and shorter steps may tell. */
 static saltus_status seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const saltus_special *specials,
-                               int count, bool *again, saltus_message *message) {
-    const double least = 1e-5;
+                               int count, bool hidden, bool *again, saltus_message *message) {
+    const double least = 1e-5, short_enough = 1e-3;
     saltus_status status = SALTUS_OK;
-    *again = false;
+    *again = hidden && t->next->at.ahead > short_enough;
     for (int k = 0; k < count && status == SALTUS_OK && !*again && t->next->at.ahead > least; k++) {
         saltus_special special = specials[k];
         bool is_one = true;
         if (special.kind == SALTUS_POINT_BP)
             status = visit_special(t, hopf, &special, &is_one, message);
+        else if (special.kind != SALTUS_POINT_HB)
+            is_one = saltus_solution_visit(&t->orbits, t->here, special.ahead, t->trial, NULL) == SALTUS_OK;
         *again = !is_one;
     }
     if (*again)
@@ -216,6 +218,7 @@ static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hop
     saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 10];
     double targets[SALTUS_BRANCH_VALUES_MAX + 1];
     saltus_point_kind kinds[SALTUS_BRANCH_VALUES_MAX + 1];
+    bool hidden;
     int asked = 0;
     for (; asked < options->value_count; asked++) {
         targets[asked] = options->values[asked];
@@ -225,10 +228,10 @@ static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hop
         targets[asked] = t->first_value;
         kinds[asked++] = SALTUS_POINT_REGULAR;
     }
-    const int count =
-        saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
-                            hopf->found ? &hopf->special : NULL, targets, kinds, asked, specials, t->trial);
-    saltus_status status = again ? seek_leap(t, hopf, specials, count, again, message) : SALTUS_OK;
+    const int count = saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
+                                          hopf->found ? &hopf->special : NULL, targets, kinds, asked,
+                                          specials, &hidden, t->trial);
+    saltus_status status = again ? seek_leap(t, hopf, specials, count, hidden, again, message) : SALTUS_OK;
     if (status != SALTUS_OK || (again && *again))
         return status;
     for (int k = 0; k < count && status == SALTUS_OK && t->trail->following; k++)
