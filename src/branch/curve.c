@@ -319,6 +319,14 @@ saltus_status saltus_curve_revisit(saltus_equations *e, const saltus_curve_point
     return correct(e, from, from->tangent, point, message);
 }
 
+bool saltus_curve_strays(const saltus_curve_point *from, const saltus_curve_point *to) {
+    const double far = 1.08, least = 1e-6;
+    double distance = 0;
+    for (int j = 0; j < to->unknowns; j++)
+        distance = hypot(distance, to->u[j] - from->u[j]);
+    return distance > far * fabs(to->ahead) + least;
+}
+
 /* The point at which unknown k equals `value` although the equations are singular there: extrapolated from
  * points before it, and judged by its residual. */
 static saltus_status approach(saltus_equations *e, const saltus_curve_point *from, int k, double value,

@@ -59,6 +59,9 @@ saltus_status saltus_curve_visit(saltus_equations *equations, const saltus_curve
  * prediction is the cubic through both. */
 saltus_status saltus_curve_revisit(saltus_equations *equations, const saltus_curve_point *from, double ahead,
                                    saltus_curve_point *point, saltus_message *message);
+/* Whether a point that was sought some way ahead of another is far aside of the tangent there: on another
+ * piece of the curve, or on another curve. */
+bool saltus_curve_strays(const saltus_curve_point *from, const saltus_curve_point *to);
 /* The point at which unknown k, whose border is near, equals `value`. Errors: as above. */
 saltus_status saltus_curve_meet(saltus_equations *equations, const saltus_curve_point *from, int k,
                                 double value, saltus_curve_point *to, saltus_message *message);

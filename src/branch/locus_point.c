@@ -319,11 +319,7 @@ bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *here, c
 }
 
 bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_point *to) {
-    const double far = 1.08, least = 1e-6;
-    double distance = 0;
-    for (int j = 0; j < to->at.unknowns; j++)
-        distance = hypot(distance, to->at.u[j] - here->at.u[j]);
-    return distance > far * fabs(to->at.ahead) + least;
+    return saltus_curve_strays(&here->at, &to->at);
 }
 
 saltus_status saltus_locus_reach(saltus_extended *x, const saltus_curve_point *from, double ahead,

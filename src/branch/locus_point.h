@@ -60,8 +60,7 @@ bool saltus_locus_grows(const saltus_extended *extended, const saltus_solution *
  * overwritten. Errors: as above; there is then no such point. */
 saltus_status saltus_locus_reframe(saltus_extended *extended, saltus_locus_point *here,
                                    saltus_locus_point *scratch, saltus_message *message);
-/* Whether a point that was sought some way ahead of another is far aside of the tangent there: across a
- * hairpin, on another piece of the curve. */
+/* saltus_curve_strays: across a hairpin, on another piece of the curve. */
 bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_point *to);
 /* The point at arclength `ahead` from another on the curve, by the sharpest tolerance of the equations that
  * rounding allows, which is sought from *tolerance to `loosest`; *tolerance becomes that. */

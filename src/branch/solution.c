@@ -417,6 +417,8 @@ static saltus_status visit(location *l, double ahead) {
         return SALTUS_OK;
     if (isfinite(l->visited) && !crosses) {
         status = saltus_curve_revisit(o->equations, &l->from->at, ahead, &l->out->at, NULL);
+        if (status == SALTUS_OK && saltus_curve_strays(&l->from->at, &l->out->at))
+            status = SALTUS_NO_CONVERGENCE;
         if (status == SALTUS_OK)
             status = saltus_solution_see(o, l->out, NULL);
     }

@@ -93,6 +93,15 @@ static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *
             fabs(last->arclength - arclength) < singular);
 }
 
+/* Where a branch leaves another one its parameter may turn, too: a fold so close to there that it cannot be
+ * told from it. */
+static bool is_start(const saltus_trace *t, const saltus_special *special) {
+    const double close = 1e-4;
+    return special->kind == SALTUS_POINT_LP && t->trail->parent >= 0 &&
+           t->trail->arclength + special->ahead < close &&
+           fabs(special->value - t->first_value) <= special->accuracy;
+}
+
 /* An end that another branch may share: give it out as the special point that it is, and then as the end. */
 static saltus_status give_shared_end(saltus_trace *t, const saltus_solution *at, saltus_notice what,
                                      saltus_message *message) {
@@ -165,7 +174,8 @@ static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf
      * cross it: rounding decides on which side they are. */
     const double place = t->trial->parameter[0];
     const bool at_border = fmin(fabs(place - t->range[0]), fabs(place - t->range[1])) < saltus_at_border;
-    if (status != SALTUS_OK || !is_one || (special->kind == SALTUS_POINT_NS && at_border))
+    if (status != SALTUS_OK || !is_one || (special->kind == SALTUS_POINT_NS && at_border) ||
+        is_start(t, special))
         return status;
     if (t->trail->options->locus && t->trail->options->locus == special->kind &&
         (!special->end || special->kind == SALTUS_POINT_HB))
