@@ -687,6 +687,42 @@ static void cycles_end_where_equilibria_are_born_on_them(void **unused) {
     }
 }
 
+/* A cycle that was found by its returns joins those of half its period at their flip; both ways along these
+ * it is what it is. */
+static void cycles_join_at_flips(void **unused) {
+    (void)unused;
+    static const char *const settings[2][3] = {{"q=5.66192", "r=0.818635", "kappa=1.3"},
+                                               {"q=5.66192", "r=0.818635", "kappa=1.26"}};
+    branch_record record[2];
+    const saltus_branch_point *flip[2] = {NULL, NULL};
+    int ends = 0;
+    for (int k = 0; k < 2; k++) {
+        saltus_scene scene;
+        saltus_message message = {.text = ""};
+        check_ok(saltus_scene_load("relief-valve", &scene, &message), &message);
+        for (int j = 0; j < 3; j++)
+            check_ok(saltus_scene_set(&scene, settings[k][j], &message), &message);
+        saltus_branch_options options = branch_along("kappa", 1.25, 1.32);
+        options.switches = 2 * (1 - k);
+        record[k] = branch_of(&scene, options, NULL);
+        for (int j = 0; j < record[k].count; j++) {
+            const saltus_branch_point *p = &record[k].point[j];
+            assert_true(p->kind != SALTUS_POINT_LP && p->kind != SALTUS_POINT_BP);
+            ends += k == 0 && p->kind == SALTUS_POINT_EP && strcmp(p->label, "1/1") == 0;
+            if (p->kind != SALTUS_POINT_PD)
+                continue;
+            assert_null(flip[k]);
+            flip[k] = p;
+        }
+        assert_true(flip[k] && strcmp(flip[k]->label, k ? "1/1" : "2/2") == 0);
+        saltus_scene_clear(&scene);
+    }
+    assert_int_equal(ends, 2);
+    check_near(flip[0]->value[0], flip[1]->value[0], flip[0]->accuracy + flip[1]->accuracy);
+    branch_forget(&record[0]);
+    branch_forget(&record[1]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grazing_is_met_from_everywhere),
@@ -703,6 +739,7 @@ int main(void) {
         cmocka_unit_test(cycles_shrink_to_an_equilibrium_on_a_stop),
         cmocka_unit_test(cycles_of_several_impacts_are_born_at_a_stop),
         cmocka_unit_test(cycles_end_where_equilibria_are_born_on_them),
+        cmocka_unit_test(cycles_join_at_flips),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -27,11 +27,13 @@ saltus_status saltus_trace_begin(saltus_trace *t, int periods, const double *sta
               : saltus_return_polish(o->flow, periods, state, &options, &orbit, &lap, message);
     if (status == SALTUS_OK)
         memcpy(start.state, orbit.state, (size_t)o->n * sizeof *start.state);
+    /* A cycle that comes from flips has two, four, .. of the clock's periods, so that the place is seen where
+     * it joins shorter ones. */
+    const int turns = cycle && lap.periods > 0 ? lap.periods & -lap.periods : orbit.periods;
     if (status == SALTUS_OK && cycle)
-        status = saltus_orbits_tune(o, at_start, orbit.omega, message);
+        status = saltus_orbits_tune(o, at_start, orbit.omega * turns, message);
     if (status == SALTUS_OK)
-        status =
-            saltus_sequence_make(o->flow, orbit.periods, cycle, start.state, &lap, &start.sequence, message);
+        status = saltus_sequence_make(o->flow, turns, cycle, start.state, &lap, &start.sequence, message);
     saltus_system_free(clocked);
     if (status == SALTUS_OK)
         status = saltus_starts_add_ways(t->starts, &start, t->trail->options->direction, message);
