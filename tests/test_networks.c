@@ -289,6 +289,39 @@ static void folds_end_where_grazing_is_not_felt(void **unused) {
     check_networks(networks, 1);
 }
 
+/* Where orbits of twice the period leave shorter ones by so little that this shows only far from there, the
+ * curve is followed from near by all the same: beyond the first step were special points that nobody saw. */
+static void curves_begin_near_where_they_begin(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const network networks[] = {{"duffing",
+                                        "F=0.335645 omega=1.5576 d=1.54499 c=0.180415 r=0.865339 sides=both",
+                                        SALTUS_POINT_PD,
+                                        {"omega", "d"},
+                                        {1.09032, 1.08149},
+                                        {2.18064, 2.16299},
+                                        2,
+                                        {0.04, 0.02},
+                                        29}};
+    check_networks(networks, 1);
+}
+
+/* Orbits without lasting contacts have none that shrinks where their curve ends; and where an orbit is cut
+ * into halves no impact may be at the cuts. */
+static void halves_are_cut_in_free_flight(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"impact-oscillator",
+                                        "d=1.33745 omega=0.902944 r=0.530089 c=0.162395",
+                                        SALTUS_POINT_GR,
+                                        {"omega", "d"},
+                                        {0.63206, 0.668727},
+                                        {1.26412, 2.00618},
+                                        1,
+                                        {0.04, 0.02},
+                                        9}};
+    check_networks(networks, 1);
+}
+
 /* Along orbits of several periods of slow forcing perturbations grow a thousandfold and shrink again, so that
  * the differences which are second derivatives say nothing, and orbits of twice the period leave those of
  * half of it by little at the section. */
@@ -584,6 +617,8 @@ int main(void) {
         cmocka_unit_test(undamped_pairs_are_on_the_circle),
         cmocka_unit_test(families_begin_no_curve),
         cmocka_unit_test(folds_end_where_grazing_is_not_felt),
+        cmocka_unit_test(curves_begin_near_where_they_begin),
+        cmocka_unit_test(halves_are_cut_in_free_flight),
         cmocka_unit_test(curves_begin_where_perturbations_grow),
         cmocka_unit_test(impacts_fade_at_a_resonance),
         cmocka_unit_test(orbits_fade_where_vibrations_turn_round),

@@ -88,6 +88,26 @@ static saltus_status find_small(saltus_locus *l, const saltus_locus_start *start
     return status;
 }
 
+/* Cut the orbit at `here`, that of a start, halfway, where no event is near. */
+static saltus_status cut_halfway(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
+    const saltus_sequence old = l->here.orbit.sequence;
+    const double base = saltus_sequence_amid_halves(&old);
+    saltus_sequence fresh;
+    int order[SALTUS_MARKS_MAX];
+    double state[SALTUS_STATE_MAX];
+    saltus_status status = saltus_solution_state_at(&l->x.orbits, &l->here.orbit, base, state, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_sequence_turn(&old, base, 1, &fresh, order);
+    fresh.cuts = 2;
+    fresh.cut[1] = fresh.base + 0.5 * fresh.periods;
+    const int mark = l->x.mark;
+    for (int k = 0; k < fresh.count; k++)
+        l->x.mark = order[k] == mark ? k : l->x.mark;
+    return saltus_solution_place(&l->x.orbits, &fresh, start->parameter, state, false, &l->here.orbit,
+                                 message);
+}
+
 /* `here` becomes the orbit of a start, as one of its curve. */
 static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
     const double alike = 1e-6;
@@ -115,12 +135,8 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
         }
     }
     const bool crossing = start->leaves || (begins_crossing(l) && l->x.mirrored);
-    if (status == SALTUS_OK && ((l->x.mirrored && breaks) || crossing)) {
-        sequence.cuts = 2;
-        sequence.cut[1] = sequence.base + 0.5 * sequence.periods;
-        status = saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->here.orbit,
-                                       message);
-    }
+    if (status == SALTUS_OK && ((l->x.mirrored && breaks) || crossing))
+        status = cut_halfway(l, start, message);
     /* Into more and more segments, as long as there are more. */
     for (bool finer = true; status == SALTUS_OK && finer && saltus_locus_grows(&l->x, &l->here.orbit);) {
         const double base = l->here.orbit.sequence.base;
@@ -293,10 +309,50 @@ static void step_on(saltus_locus *l) {
     l->here.before_place = -l->here.at.ahead;
 }
 
-/* Whether `next` is within the longest step of `here` in the plane. */
-static bool is_near(const saltus_locus *l) {
-    const double *from = plane_of(l, l->here.at.u), *to = plane_of(l, l->next.at.u);
+/* Whether `p` is within the longest step of `here` in the plane. */
+static bool is_near(const saltus_locus *l, const saltus_locus_point *p) {
+    const double *from = plane_of(l, l->here.at.u), *to = plane_of(l, p->at.u);
     return hypot(to[0] - from[0], to[1] - from[1]) <= 1.2 * l->trail->options->step_max;
+}
+
+/* What is unlike in the halves shows, against rounding, where it is this large. */
+static const double little = 4e-6;
+
+/* Whether `p`, found so far ahead of `here`, is an orbit of the curve on which leave() goes: another one,
+ * near or far, may have attracted it. */
+static bool has_left(saltus_locus *l, const saltus_locus_point *p, double leaving, bool stays, double ahead) {
+    return saltus_corner_breach(&l->x, &p->orbit) < 0 && is_near(l, p) &&
+           !(leaving > 0 && saltus_locus_apart(&l->x, &p->orbit, NULL) < leaving * ahead) &&
+           !(stays && saltus_locus_distance(&l->x, &p->orbit, 1) > 1e-3 * ahead);
+}
+
+/* `next`, found so far ahead of `here`, was sought from afar: come back along the curve while that is
+ * possible, as points of codimension two in between would not be seen. False: the orbits there are not
+ * admissible. */
+static bool come_back(saltus_locus *l, double leaving, bool stays, double ahead) {
+    const double near = 1e-3;
+    const int m = l->here.at.unknowns;
+    while (ahead > near) {
+        saltus_curve_bend(&l->here.at, &l->next.at);
+        saltus_status status =
+            saltus_curve_visit(&l->x.equations, &l->next.at, -0.5 * ahead, &l->trial.at, NULL);
+        if (status == SALTUS_OK)
+            status = saltus_locus_see(&l->x, &l->trial, NULL);
+        if (saltus_orbits_noted(&l->x.orbits, status) != SALTUS_OK)
+            break;
+        if (saltus_corner_breach(&l->x, &l->trial.orbit) >= 0)
+            return false;
+        ahead = saltus_dot(l->trial.at.u, l->here.at.tangent, m) -
+                saltus_dot(l->here.at.u, l->here.at.tangent, m);
+        if (!(ahead > 0) || !has_left(l, &l->trial, leaving, stays, ahead) ||
+            (leaving > 0 && saltus_locus_apart(&l->x, &l->trial.orbit, NULL) < little))
+            break;
+        const saltus_locus_point nearer = l->trial;
+        l->trial = l->next;
+        l->next = nearer;
+        l->next.at.ahead = ahead;
+    }
+    return true;
 }
 
 /* Go a little on from `here`, a point of codimension two, where the signs of functions mean nothing. `turns`:
@@ -309,7 +365,7 @@ static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found
     const bool stays = begins_crossing(l) && l->x.mirrored;
     const bool branches = l->x.kind == SALTUS_POINT_BP && l->x.mirrored;
     const bool sharp = leaves || stays || branches;
-    const double usual = l->x.equations.tolerance, little = 4e-6, farthest = 0.1;
+    const double usual = l->x.equations.tolerance, farthest = 0.1;
     *why = (saltus_message){.text = ""};
     saltus_status status = SALTUS_OK;
     *found = false;
@@ -333,10 +389,7 @@ static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found
             status = saltus_locus_see(&l->x, &l->next, why);
         if (status != SALTUS_OK || folds)
             continue;
-        /* Another curve, near or far, may have attracted the point. */
-        *found = saltus_corner_breach(&l->x, &l->next.orbit) < 0 && is_near(l) &&
-                 !(leaves && saltus_locus_apart(&l->x, &l->next.orbit, NULL) < leaving * ahead) &&
-                 !(stays && saltus_locus_distance(&l->x, &l->next.orbit, 1) > 1e-3 * ahead);
+        *found = has_left(l, &l->next, leaving, stays, ahead) && come_back(l, leaving, stays, ahead);
     }
     l->x.equations.tolerance = usual;
     if (*found)
@@ -639,7 +692,7 @@ static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros
                 status = saltus_locus_see(&l->x, &l->next, &why);
             if (status == SALTUS_NO_MEMORY)
                 return saltus_branch_no_memory(message);
-            found = status == SALTUS_OK && is_near(l) && !saltus_locus_strays(&l->here, &l->next) &&
+            found = status == SALTUS_OK && is_near(l, &l->next) && !saltus_locus_strays(&l->here, &l->next) &&
                     saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
         if (!found)

@@ -369,6 +369,14 @@ void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, do
         saltus_locus_see_orbit(x, at, NULL);
 }
 
+/* Whether an orbit has a contact after complete chatter that is shorter than this. */
+static bool has_contact(const saltus_solution *s, double length) {
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].value > -length && saltus_corner_ends_chatter(s, &s->breaches[k]))
+            return true;
+    return false;
+}
+
 saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_point *here,
                                        saltus_locus_point *at, bool *found, saltus_message *message) {
     enum { halvings = 40 };
@@ -376,6 +384,9 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
     saltus_locus_test contact = {.kind = SALTUS_POINT_GR_GR, .breach = true};
     saltus_curve_point last = {.unknowns = 0};
     double place = 0, step = reach;
+    *found = false;
+    if (!has_contact(&here->orbit, INFINITY))
+        return SALTUS_OK;
     saltus_status status = saltus_curve_copy(&here->at, &last) ? SALTUS_OK : SALTUS_NO_MEMORY;
     /* A residual speed at grazing moves the place by as much. */
     x->equations.tolerance = fmin(usual, sharp);
@@ -408,9 +419,5 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
 }
 
 bool saltus_locus_ceases_to_complete(const saltus_solution *s) {
-    const double little = 1e-3;
-    for (int k = 0; k < s->breach_count; k++)
-        if (s->breaches[k].value > -little && saltus_corner_ends_chatter(s, &s->breaches[k]))
-            return true;
-    return false;
+    return has_contact(s, 1e-3);
 }

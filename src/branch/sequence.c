@@ -175,6 +175,28 @@ double saltus_sequence_amid_flight(const saltus_sequence *s) {
     return base < s->base + s->periods ? base : base - s->periods;
 }
 
+double saltus_sequence_amid_halves(const saltus_sequence *s) {
+    const double half = 0.5 * s->periods, near = 0.04 * half;
+    double best = 0, base = s->base;
+    bool bound[SALTUS_MARKS_MAX], tight = false;
+    find_bound(s, bound);
+    for (int k = 0; k < s->count; k++) {
+        double gap = half;
+        for (int j = 0; j < s->count; j++) {
+            const double later = remainder(s->mark[j].time - s->mark[k].time - 0.5 * half, half) + 0.5 * half;
+            gap = later > 0 ? fmin(gap, later) : gap;
+        }
+        tight = tight || fabs(remainder(s->mark[k].time - s->base, half)) < near;
+        if (bound[k])
+            return s->base;
+        if (gap > best) {
+            best = gap;
+            base = s->mark[k].time + 0.5 * gap;
+        }
+    }
+    return !tight ? s->base : base < s->base + s->periods ? base : base - s->periods;
+}
+
 /* The sequence cut open at a later time, up to one orbit on. */
 static void rotate(const saltus_sequence *old, double base, saltus_sequence *fresh, int *order) {
     int first = 0;

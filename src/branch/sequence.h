@@ -35,6 +35,9 @@ bool saltus_sequence_has_tail(const saltus_sequence *sequence);
 /* The middle of the longest free flight between two marks, where nothing is left to the flow; the present
  * base if there is none. */
 double saltus_sequence_amid_flight(const saltus_sequence *sequence);
+/* The base, or another one where an event is near it or half an orbit later: then the middle of the longest
+ * interval without events in both halves. */
+double saltus_sequence_amid_halves(const saltus_sequence *sequence);
 /* The sequence cut open at a time within the orbit, with up to `cuts` cuts in free flight. */
 void saltus_sequence_turn(const saltus_sequence *old, double base, int cuts, saltus_sequence *fresh,
                           int *order);
