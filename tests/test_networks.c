@@ -322,6 +322,51 @@ static void halves_are_cut_in_free_flight(void **unused) {
     check_networks(networks, 1);
 }
 
+/* Curves of orbits that have been doubled several times end, as all their impacts die, where the orbits of
+ * one period flip: in one place, by the equations of these. */
+static void doubled_orbits_end_at_the_first_flip(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const network network = {"impact-oscillator",
+                                    "d=1.31595 omega=0.900739 r=0.557482 c=0.126182",
+                                    SALTUS_POINT_GR,
+                                    {"omega", "d"},
+                                    {0.630518, 0.657977},
+                                    {1.26104, 1.97393},
+                                    2,
+                                    {0},
+                                    0};
+    branch_record record = follow(&network, 0.02, 0, NULL);
+    const saltus_branch_point *first = NULL;
+    int ends = 0;
+    for (int k = 1; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k - 1];
+        first = !first && p->kind == SALTUS_POINT_GR_PD && p[1].kind == SALTUS_POINT_EP ? p : first;
+        if (!first || p->periods < 4 || p[1].kind != SALTUS_POINT_EP || !(apart(&network, p, first) < 1e-3))
+            continue;
+        assert_true(apart(&network, p, first) < 1e-9 && p->accuracy < 1e-9);
+        ends++;
+    }
+    assert_int_equal(ends, 3);
+    branch_forget(&record);
+}
+
+/* As they come there, another impact may seem to graze just before. */
+static void doubled_orbits_pass_no_other_grazing(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const network networks[] = {{"impact-oscillator",
+                                        "d=1.14621 omega=0.849203 r=0.404516 c=0.135527",
+                                        SALTUS_POINT_GR,
+                                        {"omega", "d"},
+                                        {0.594442, 0.573106},
+                                        {1.18888, 1.71932},
+                                        2,
+                                        {0.04},
+                                        17}};
+    check_networks(networks, 1);
+}
+
 /* Along orbits of several periods of slow forcing perturbations grow a thousandfold and shrink again, so that
  * the differences which are second derivatives say nothing, and orbits of twice the period leave those of
  * half of it by little at the section. */
@@ -619,6 +664,8 @@ int main(void) {
         cmocka_unit_test(folds_end_where_grazing_is_not_felt),
         cmocka_unit_test(curves_begin_near_where_they_begin),
         cmocka_unit_test(halves_are_cut_in_free_flight),
+        cmocka_unit_test(doubled_orbits_end_at_the_first_flip),
+        cmocka_unit_test(doubled_orbits_pass_no_other_grazing),
         cmocka_unit_test(curves_begin_where_perturbations_grow),
         cmocka_unit_test(impacts_fade_at_a_resonance),
         cmocka_unit_test(orbits_fade_where_vibrations_turn_round),

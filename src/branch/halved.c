@@ -277,18 +277,23 @@ static int lay_together(const saltus_sequence *whole, int parts, int slow, saltu
     return find_mark(once, &own);
 }
 
-/* `at` becomes the zero of the test, if the shorter orbits could be opened and have one. Closes them. */
-static bool finish(saltus_extended *x, shorter *s, bool opened, saltus_locus_point *at) {
+/* `at` becomes the zero of the test, if the shorter orbits could be opened and have one no farther away than
+ * this. Closes them. */
+static bool finish(saltus_extended *x, shorter *s, bool opened, double farthest, saltus_locus_point *at) {
     double doubt = NAN;
-    const bool found = opened && find_zero(s, &doubt) && go_through(x, s, s->at.u, at);
+    const int c = opened ? s->x.orbits.equations->count : 0;
+    const bool found = opened && find_zero(s, &doubt) &&
+                       hypot(s->at.u[c] - s->u[c], s->at.u[c + 1] - s->u[c + 1]) < farthest &&
+                       go_through(x, s, s->at.u, at);
     if (found)
         at->doubt = doubt;
     close_shorter(x, s);
     return found;
 }
 
-bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, saltus_locus_point *at) {
-    const double alike = 1e-5;
+bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, double farthest,
+                         saltus_locus_point *at) {
+    const double alike = 1e-5, near = 1e-6;
     const saltus_breach *touch = NULL;
     saltus_sequence once;
     shorter s;
@@ -297,19 +302,25 @@ bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, 
             (!touch || at->orbit.breaches[k].value > touch->value))
             touch = &at->orbit.breaches[k];
     const saltus_sequence *whole = &at->orbit.sequence;
-    for (int k = whole->periods; !parts && k > 1; k--)
-        parts = k == 2 || saltus_locus_distance(x, &at->orbit, k) < alike ? k : 0;
+    const int given = parts > 1 ? parts : 1;
+    parts = given > 1 ? given : 2;
+    for (int k = whole->periods; k > parts; k--)
+        parts = k % given == 0 && saltus_locus_distance(x, &at->orbit, k) < alike ? k : parts;
     const int mark =
         touch && parts > 1 && whole->periods % parts == 0
             ? lay_together(whole, parts, x->kind == SALTUS_POINT_GR ? x->mark : touch->mark, &once)
             : -1;
-    if (mark < 0)
-        return false;
-    const bool opened = open_shorter(&s, x, at, &once, SALTUS_POINT_GR, mark);
-    s.kind = parts > 2 ? SALTUS_POINT_R4 : kind;
-    s.parts = parts;
-    s.without = s.kind == SALTUS_POINT_GR_PD && whole->count < parts * once.count;
-    return finish(x, &s, opened, at);
+    const saltus_point_kind kinds[] = {parts > 2 ? SALTUS_POINT_R4 : kind, SALTUS_POINT_GR_LP,
+                                       SALTUS_POINT_GR_PD};
+    bool found = false;
+    for (int k = 0; k < (kind == SALTUS_POINT_R4 ? 1 : 3) && mark >= 0 && !found; k++) {
+        const bool opened = open_shorter(&s, x, at, &once, SALTUS_POINT_GR, mark);
+        s.kind = kinds[k];
+        s.parts = parts;
+        s.without = s.kind == SALTUS_POINT_GR_PD && whole->count < parts * once.count;
+        found = finish(x, &s, opened, k ? fmin(near, farthest) : farthest, at);
+    }
+    return found;
 }
 
 bool saltus_halved_double(saltus_extended *x, saltus_point_kind kind, saltus_locus_point *at) {
@@ -318,7 +329,7 @@ bool saltus_halved_double(saltus_extended *x, saltus_point_kind kind, saltus_loc
     const bool opened =
         open_shorter(&s, x, at, &whole, kind == SALTUS_POINT_R2 ? SALTUS_POINT_PD : SALTUS_POINT_LP, 0);
     s.kind = kind;
-    return finish(x, &s, opened, at);
+    return finish(x, &s, opened, INFINITY, at);
 }
 
 bool saltus_halved_resonates(saltus_extended *x, const saltus_locus_point *here, saltus_locus_point *at) {
@@ -333,7 +344,7 @@ bool saltus_halved_resonates(saltus_extended *x, const saltus_locus_point *here,
     if (status == SALTUS_OK)
         status = saltus_locus_see_orbit(x, at, NULL);
     if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK ||
-        !saltus_halved_touch(x, SALTUS_POINT_GR_GR, parts, at))
+        !saltus_halved_touch(x, SALTUS_POINT_R4, parts, INFINITY, at))
         return false;
     const double *way = here->at.tangent + c,
                  left[] = {at->at.u[c] - here->at.u[c], at->at.u[c + 1] - here->at.u[c + 1]};

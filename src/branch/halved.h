@@ -22,9 +22,11 @@ saltus_point_kind saltus_halved_tell(saltus_extended *extended, bool mirrored, s
  * whose grazing a curve of special orbits ends as impacts have lost their speed, or one of grazing joins that
  * of the shorter orbits. If so `at` becomes the zero of a function along their curve of grazing. Of `kind`
  * GR-LP it is their determinant, where the impact's infinite multiplier is not felt; of GR-PD that for a
- * flip; of GR-GR another impact's breach. For three parts or more a free vibration comes back there,
- * or turns round. at->doubt as for saltus_locus_doubt. Otherwise false. */
-bool saltus_halved_touch(saltus_extended *extended, saltus_point_kind kind, int parts,
+ * flip; of GR-GR another impact's breach. For three parts or more a free vibration comes back there, or turns
+ * round (R4: nothing else). Where that is not so, but one of the determinants is zero very near, it is that:
+ * all impacts of an orbit that has been doubled several times die where the shortest flips. at->doubt as for
+ * saltus_locus_doubt. Otherwise, or where that is farther away in the plane, false. */
+bool saltus_halved_touch(saltus_extended *extended, saltus_point_kind kind, int parts, double farthest,
                          saltus_locus_point *at);
 /* The orbit `at`, known to some digits, at which the pair of a curve of tori meets, R1 or R2, becomes the
  * double multiplier on the curve of folds or flips of the same orbits, which is regular there. False if it

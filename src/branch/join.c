@@ -93,7 +93,7 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     const double far = 1e-4, trusted = 1e-9;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
     const double place = at->at.ahead;
-    if (saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, at) || at->doubt <= trusted)
+    if (saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, INFINITY, at) || at->doubt <= trusted)
         return;
     double spread, least = INFINITY, second = INFINITY, ahead = place, doubt = INFINITY,
                    *u = calloc(3 * (size_t)m, sizeof *u);
@@ -211,11 +211,26 @@ static void sharpen_join(saltus_extended *x, const saltus_locus_point *here, int
 static bool locate_join(saltus_extended *x, saltus_point_kind kind, int parts, const double *u, double least,
                         saltus_locus_point *at) {
     const double close = 1e-9, slack = 100;
-    const int c = x->orbits.equations->count;
     memcpy(at->at.u, u, (size_t)x->equations.unknowns * sizeof *u);
     return saltus_orbits_noted(&x->orbits, saltus_locus_see_orbit(x, at, NULL)) == SALTUS_OK &&
-           saltus_halved_touch(x, kind, parts, at) &&
-           hypot(at->at.u[c] - u[c], at->at.u[c + 1] - u[c + 1]) < fmax(close, slack * least);
+           saltus_halved_touch(x, kind, parts, fmax(close, slack * least), at);
+}
+
+/* The kind of place at which a curve of grazing joins shorter orbits, `at`. */
+static saltus_point_kind kind_of_join(const saltus_extended *x, const saltus_solution *at, int parts) {
+    return parts > 2 || touches_elsewhere(x, at, parts) ? SALTUS_POINT_GR_GR
+           : parts == 2                                 ? SALTUS_POINT_GR_PD
+                                                        : SALTUS_POINT_GR_BP;
+}
+
+saltus_point_kind saltus_locus_join_near(saltus_extended *x, saltus_locus_point *at) {
+    const double small = 1e-3, near = 1e-6;
+    int parts = x->kind == SALTUS_POINT_GR ? at->orbit.sequence.periods : 0;
+    while (parts > 1 && !(saltus_locus_distance(x, &at->orbit, parts) < small))
+        parts--;
+    return parts > 1 && saltus_halved_touch(x, SALTUS_POINT_GR_PD, parts, near, at)
+               ? kind_of_join(x, &at->orbit, parts)
+               : SALTUS_POINT_REGULAR;
 }
 
 saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
@@ -246,17 +261,10 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
         least = spread;
         ahead = at->at.ahead;
         memcpy(u, at->at.u, size);
-        *kind = parts > 2 || touches_elsewhere(x, &at->orbit, parts) ? SALTUS_POINT_GR_GR
-                : parts == 2                                         ? SALTUS_POINT_GR_PD
-                                                                     : SALTUS_POINT_GR_BP;
+        *kind = kind_of_join(x, &at->orbit, parts);
     }
     if (*kind && status != SALTUS_NO_MEMORY) {
-        /* Two impacts of an orbit that closes even sooner may graze in turns: it is then as at a flip. */
-        const bool located =
-            parts > 1 &&
-            (locate_join(x, *kind, parts, u, least, at) ||
-             (*kind == SALTUS_POINT_GR_GR && locate_join(x, SALTUS_POINT_GR_PD, parts, u, least, at)));
-        if (!located) {
+        if (!(parts > 1 && locate_join(x, *kind, parts, u, least, at))) {
             memcpy(at->at.u, u, size);
             sharpen_join(x, here, parts, least, at);
             status = saltus_locus_see_orbit(x, at, NULL);
@@ -316,7 +324,7 @@ saltus_status saltus_locus_fade(saltus_extended *x, saltus_locus_point *here, sa
         return SALTUS_OK;
     const saltus_status status = seek_end(x, here, BY_ROOT, 0, sharp, at, fades, message);
     if (*fades)
-        saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, at);
+        saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, INFINITY, at);
     return status;
 }
 

@@ -16,6 +16,10 @@
  * next function. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_join(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at,
                                 saltus_point_kind *kind, saltus_message *message);
+/* The same where another impact seems to graze at the orbit `at` on the curve: what is unlike there may fall
+ * with a root of the distance and need not be nothing yet. `at` becomes the place that the equations of the
+ * shorter orbits have very near, if there is one. */
+saltus_point_kind saltus_locus_join_near(saltus_extended *extended, saltus_locus_point *at);
 /* Where a curve of special orbits ends as an impact has lost its speed, at `at`, located ahead of `here`,
  * several may have, and the equations be singular: then `at` becomes the place that the curve before it leads
  * to, where that is told sharper. All places found here get their doubt. */

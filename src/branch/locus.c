@@ -741,6 +741,10 @@ static saltus_status pass_corner(saltus_locus *l, const struct saltus_locus_zero
     const bool resonance = corner.kind == SALTUS_POINT_R1 || corner.kind == SALTUS_POINT_R2;
     const bool simple = found && resonance && l->x.kind != SALTUS_POINT_NS && survey->walked &&
                         !saltus_locus_has_pair(&l->x, corner.kind == SALTUS_POINT_R1 ? 0 : M_PI);
+    const saltus_point_kind joint =
+        found && corner.breach ? saltus_locus_join_near(&l->x, &l->trial) : SALTUS_POINT_REGULAR;
+    if (joint)
+        return give_join(l, joint, message);
     return !found || real || simple || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach)
                ? SALTUS_OK
                : give_corner(l, corner, zero->place, moved, message);
