@@ -367,6 +367,29 @@ static void doubled_orbits_pass_no_other_grazing(void **unused) {
     check_networks(networks, 1);
 }
 
+/* Between equal stops both impacts of folding orbits die at once where a free vibration comes back after the
+ * period: the equations are singular there, and no function along the curve tells the place. */
+static void impacts_die_at_once_where_vibrations_come_back(void **unused) {
+    (void)unused;
+    static const network network = {"impact-oscillator",
+                                    "d=0.613698 omega=0.610564 r=0.807163 c=0 sides=both",
+                                    SALTUS_POINT_GR,
+                                    {"omega", "d"},
+                                    {0.427395, 0.306849},
+                                    {0.854789, 0.920546},
+                                    1,
+                                    {0.04, 0.02, 0.01},
+                                    2};
+    check_network_as(&network, 0, NULL, true);
+    branch_record record = follow(&network, 0.04, 0, NULL);
+    for (int k = 0; k < record.count; k++)
+        if (is_named(&record.point[k]) && record.point[k].locus == SALTUS_POINT_LP) {
+            check_near(record.point[k].value[0], 0.5, 1e-12);
+            check_near(record.point[k].value[1], 2. / 3, 1e-12);
+        }
+    branch_forget(&record);
+}
+
 /* Along orbits of several periods of slow forcing perturbations grow a thousandfold and shrink again, so that
  * the differences which are second derivatives say nothing, and orbits of twice the period leave those of
  * half of it by little at the section. */
@@ -665,6 +688,7 @@ int main(void) {
         cmocka_unit_test(curves_begin_near_where_they_begin),
         cmocka_unit_test(halves_are_cut_in_free_flight),
         cmocka_unit_test(doubled_orbits_end_at_the_first_flip),
+        cmocka_unit_test(impacts_die_at_once_where_vibrations_come_back),
         cmocka_unit_test(doubled_orbits_pass_no_other_grazing),
         cmocka_unit_test(curves_begin_where_perturbations_grow),
         cmocka_unit_test(impacts_fade_at_a_resonance),

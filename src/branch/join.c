@@ -87,13 +87,28 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
     return status == SALTUS_OK ? saltus_locus_see_orbit(x, at, message) : status;
 }
 
+/* How many impacts have hardly a speed. */
+static int count_slow(const saltus_solution *s) {
+    const double slow = 1e-5;
+    int count = 0;
+    for (int k = 0; k < s->breach_count; k++)
+        count += s->breaches[k].kind == SALTUS_BREACH_SPEED && fabs(s->breaches[k].value) < slow;
+    return count;
+}
+
 void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {
     static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4};
     enum { spacings = sizeof apart / sizeof apart[0] };
     const double far = 1e-4, trusted = 1e-9;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
     const double place = at->at.ahead;
-    if (saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, INFINITY, at) || at->doubt <= trusted)
+    if (saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, INFINITY, at))
+        return;
+    /* Where several impacts have no speed the equations are singular, and solved by chance nearby: a function
+     * may show its slope there, but its zero is elsewhere. */
+    if (count_slow(&at->orbit) > 1)
+        at->doubt = NAN;
+    if (at->doubt <= trusted)
         return;
     double spread, least = INFINITY, second = INFINITY, ahead = place, doubt = INFINITY,
                    *u = calloc(3 * (size_t)m, sizeof *u);
