@@ -493,6 +493,22 @@ static void no_step_leads_across_a_hairpin(void **unused) {
     check_networks(networks, 1);
 }
 
+/* Two pieces of curves of tori come so near to each other, at a turn of both, that a step would lead from one
+ * to the other: its chord then is no chord of a smooth curve. */
+static void no_step_leaps_to_another_piece(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"two-mass",
+                                        "d=0.196018 omega=1.20454 r=0.739606",
+                                        SALTUS_POINT_GR,
+                                        {"omega", "d"},
+                                        {0.84318, 0.117611},
+                                        {1.68636, 0.274425},
+                                        2,
+                                        {0.04, 0.02},
+                                        11}};
+    check_networks(networks, 1);
+}
+
 /* The last of many impacts that follow one another has hardly a speed, and one that grazes after it hardly an
  * effect: less than that of a residual of its speed. Steps' residuals are felt in the places of points on
  * curves of flips, too, and a double multiplier is known only to the root of an error. */
@@ -695,6 +711,7 @@ int main(void) {
         cmocka_unit_test(orbits_fade_where_vibrations_turn_round),
         cmocka_unit_test(places_are_as_good_as_stated),
         cmocka_unit_test(no_step_leads_across_a_hairpin),
+        cmocka_unit_test(no_step_leaps_to_another_piece),
         cmocka_unit_test(last_impacts_are_hardly_felt),
         cmocka_unit_test(grazing_joins_at_flips),
         cmocka_unit_test(folds_meet_grazing_after_chatter),

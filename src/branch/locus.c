@@ -693,6 +693,7 @@ static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros
             if (status == SALTUS_NO_MEMORY)
                 return saltus_branch_no_memory(message);
             found = status == SALTUS_OK && is_near(l, &l->next) && !saltus_locus_strays(&l->here, &l->next) &&
+                    !saltus_locus_leaps(&l->here, &l->next) &&
                     saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
         if (!found)

@@ -322,6 +322,21 @@ bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_poin
     return saltus_curve_strays(&here->at, &to->at);
 }
 
+bool saltus_locus_leaps(const saltus_locus_point *here, const saltus_locus_point *to) {
+    const double share = 1.5, little = 0.05, shortest = 1e-3;
+    const int m = to->at.unknowns;
+    double distance = 0, from = 0, onto = 0, turn = 0;
+    for (int j = 0; j < m; j++)
+        distance = hypot(distance, to->at.u[j] - here->at.u[j]);
+    for (int j = 0; j < m; j++) {
+        const double chord = (to->at.u[j] - here->at.u[j]) / distance;
+        from = hypot(from, chord - here->at.tangent[j]);
+        onto = hypot(onto, chord - to->at.tangent[j]);
+        turn = hypot(turn, to->at.tangent[j] - here->at.tangent[j]);
+    }
+    return distance > shortest && from + onto > share * turn + little;
+}
+
 saltus_status saltus_locus_reach(saltus_extended *x, const saltus_curve_point *from, double ahead,
                                  double *tolerance, double loosest, saltus_curve_point *to,
                                  saltus_message *message) {

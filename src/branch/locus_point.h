@@ -62,6 +62,9 @@ saltus_status saltus_locus_reframe(saltus_extended *extended, saltus_locus_point
                                    saltus_locus_point *scratch, saltus_message *message);
 /* saltus_curve_strays: across a hairpin, on another piece of the curve. */
 bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_point *to);
+/* Whether a step has led to another piece of the curve, or another curve, beside it: on one smooth piece the
+ * chord's angles with the two tangents add up to that between these, or nearly so. */
+bool saltus_locus_leaps(const saltus_locus_point *here, const saltus_locus_point *to);
 /* The point at arclength `ahead` from another on the curve, by the sharpest tolerance of the equations that
  * rounding allows, which is sought from *tolerance to `loosest`; *tolerance becomes that. */
 saltus_status saltus_locus_reach(saltus_extended *extended, const saltus_curve_point *from, double ahead,
