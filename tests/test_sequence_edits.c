@@ -426,12 +426,29 @@ static void vectors_follow_their_marks(void **state) {
     }
 }
 
+/* Where an orbit is cut into halves no event is near the cuts; its base stays if none is. */
+static void halves_are_cut_away_from_marks(void **state) {
+    (void)state;
+    saltus_sequence s = {.base = 0.53, .periods = 1, .count = 1, .mark = {{SALTUS_IMPACT, 0, 1.03, false}}};
+    assert_true(fabs(saltus_sequence_amid_halves(&s) - 1.28) < 1e-15);
+    s.mark[0].time = 0.8;
+    assert_true(saltus_sequence_amid_halves(&s) == s.base);
+    s = (saltus_sequence){.base = 0,
+                          .periods = 2,
+                          .count = 3,
+                          .mark = {{SALTUS_IMPACT, 0, 0.2, false},
+                                   {SALTUS_IMPACT, 1, 1, false},
+                                   {SALTUS_IMPACT, 0, 1.2, false}}};
+    assert_true(fabs(saltus_sequence_amid_halves(&s) - 0.6) < 1e-15 ||
+                fabs(saltus_sequence_amid_halves(&s) - 1.6) < 1e-15);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grazing_undoes_grazing),     cmocka_unit_test(own_touches_are_no_births),
         cmocka_unit_test(births_end_with_the_room),   cmocka_unit_test(orbits_are_joined),
         cmocka_unit_test(reframing_keeps_the_cycle),  cmocka_unit_test(tails_are_trimmed),
-        cmocka_unit_test(vectors_follow_their_marks),
+        cmocka_unit_test(vectors_follow_their_marks), cmocka_unit_test(halves_are_cut_away_from_marks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
