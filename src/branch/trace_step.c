@@ -213,7 +213,7 @@ static saltus_status seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, c
             status = visit_special(t, hopf, &special, &is_one, message);
         else if (special.kind != SALTUS_POINT_HB)
             is_one = saltus_solution_visit(&t->orbits, t->here, special.ahead, t->trial, NULL) == SALTUS_OK;
-        *again = !is_one;
+        *again = !is_one || (special.kind == SALTUS_POINT_BP && !isfinite(special.accuracy));
     }
     if (*again)
         t->trail->step = 0.5 * t->next->at.ahead;
