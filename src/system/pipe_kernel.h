@@ -43,7 +43,7 @@ KERNEL_INLINE unsigned model_alone_terms(int modes) {
 enum { drive_velocity, drive_gradient, drive_tension, model_drives };
 enum { table_velocity, table_gradient, table_tension, table_tension2, model_tables };
 enum { series_square, series_tension, model_series_count };
-enum { model_columns_apart = true, model_abreast = ROW_BLOCK_MAX < 4 ? ROW_BLOCK_MAX : 4 };
+enum { model_columns_apart = true, model_abreast = ROW_BLOCK_MAX < 4 ? 1 : 4 };
 enum { vary_velocity, vary_gradient, vary_tension, vary_all_tension, model_vary_drives };
 enum {
     ahead_resting, /* sums begun for the next order */
