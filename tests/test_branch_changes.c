@@ -390,8 +390,8 @@ static branch_record run_scene(const char *scene_name, const char *settings, con
  * branch turns back into itself, orbits along which perturbations grow beyond all bounds, impacts that die as
  * the orbit touches elsewhere, places where the equations are singular, branches that turn so sharply where
  * they begin that a long step would lead to other orbits of the same events, branches that turn sharply
- * beside one another, a fold just before a branch turns back into itself, and steps that would leap to other
- * orbits across what looks like a branch point. */
+ * beside one another, a fold just before a branch turns back into itself and none where it only does so, and
+ * steps that would leap to other orbits across what looks like a branch point. */
 static void steps_do_not_matter(void **unused) {
     (void)unused;
     static const struct {
@@ -410,6 +410,7 @@ static void steps_do_not_matter(void **unused) {
         {"impact-oscillator", "d=0.48 omega=0.440908 r=0.667033 c=0 sides=both", "d", 0.4, 0.55, 0, 2, 0.02},
         {"two-mass", "d=0.373239 omega=0.89146 r=0.899447 c=0.281725", "omega", 0.84119986, 1.0456735, 2, 5,
          0.04},
+        {"pipe", "N=4 d=0.014 omega=43.6 r=0.208 sides=both", "omega", 43.45, 43.65, 0, 2, 0.006},
     };
     for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
         branch_record record[3];

@@ -456,6 +456,21 @@ static bool joins(saltus_orbits *o, const saltus_solution *from, const saltus_so
     return true;
 }
 
+/* Whether a fold is so close to where the branch joins that of half the period, or orbits that are their own
+ * mirror images, that it cannot be told from that place: the equations are singular there, and orbits as
+ * close as the cube root of their residual may be found on either branch. The distance of the halves falls
+ * evenly to nothing there. */
+static bool is_beside_join(saltus_orbits *o, const saltus_solution *from, const saltus_solution *at) {
+    const double singular = cbrt(o->equations->tolerance);
+    bool beside = false;
+    for (int mirrored = 0; mirrored < (o->system->mirror ? 2 : 1); mirrored++) {
+        const double before = saltus_solution_half_distance(o, from, mirrored),
+                     apart = saltus_solution_half_distance(o, at, mirrored);
+        beside |= before > asymmetric && fabs(at->at.ahead) * apart < singular * (before - apart);
+    }
+    return beside;
+}
+
 /* Whether all multipliers are zero: such orbits neither fold nor flip, but where one of their impacts was
  * just born the tests are zero to rounding. */
 static bool forgets_all(const saltus_survey *survey) {
@@ -505,6 +520,8 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
                   : special->test == SALTUS_TEST_VALUE || !forgets_all(&at->survey);
     bool is_fold = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP;
     const bool ends = is_fold && (joins(o, from, at, false, special) || joins(o, from, at, true, special));
+    if (special->kind == SALTUS_POINT_LP && !ends && is_beside_join(o, from, at))
+        *is_one = false;
     const bool by_determinant = is_fold || special->kind == SALTUS_POINT_PD;
     if (*is_one && !ends && !crossing.found && special->test != SALTUS_TEST_VALUE)
         special->accuracy += saltus_special_doubt(o, special->test, at);
