@@ -56,15 +56,6 @@ typedef struct frame {
 #define VARY_FORCE(m) (NUMBERS(f.vary.force) + (m))
 #define VARY_DRIVE(d, n, k) (NUMBERS(f.vary.drive) + ((d)*model_vary_drives + (n)) * f.order_span + (k))
 
-/* A frame for the rows of several columns as if they were one. */
-KERNEL_INLINE frame side_by_side(frame f, const int abreast) {
-    if (abreast > 1) {
-        f.block = f.packs *= abreast;
-        f.rest = 1;
-    }
-    return f;
-}
-
 #include SALTUS_MODEL_KERNEL
 
 static saltus_state_rows reserve_rows(saltus_arena *arena, const saltus_work *w, size_t count) {

@@ -270,6 +270,15 @@ KERNEL_INLINE void model_tangent(frame f, int k, int c, const int abreast, int f
     }
 }
 
+/* A frame for the rows of several columns as if they were one. */
+KERNEL_INLINE frame side_by_side(frame f, const int abreast) {
+    if (abreast > 1) {
+        f.block = f.packs *= abreast;
+        f.rest = 1;
+    }
+    return f;
+}
+
 /* All these sums at an even order; those of the next order are stored in AHEAD. */
 KERNEL_INLINE void model_two(frame f, int k, int c, const int abreast, model_pair *resting,
                              model_pair *moving, model_pair *inner) {
