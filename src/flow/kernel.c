@@ -367,15 +367,19 @@ KERNEL_INLINE void begin_jets(frame f, const saltus_work *w, int order) {
 /* An order of all columns of a trajectory: in the common cases those of tangent vectors, which share its
  * coefficients, side by side, as many as the model can take or one less. */
 KERNEL_INLINE void expand_order_of_all(frame f, int k) {
-    const bool known = __builtin_constant_p(f.packs) && __builtin_constant_p(f.terms);
-    const int most = known && f.packs <= model_abreast ? model_abreast / f.packs : 1, fewer = most - 1;
-    const int lacking = f.columns % most ? most - f.columns % most : 0, full = f.columns - fewer * lacking;
-    int c = 1;
-    expand_order(f, k, 0, 1);
-    for (; most > 1 && c + most - 1 <= full; c += most)
-        expand_order(f, k, c, most);
-    for (; fewer > 1 && c + fewer - 1 <= f.columns; c += fewer)
-        expand_order(f, k, c, fewer);
+    int c = 0;
+    if (model_abreast > 1) {
+        const bool known = __builtin_constant_p(f.packs) && __builtin_constant_p(f.terms);
+        const int most = known && f.packs <= model_abreast ? model_abreast / f.packs : 1, fewer = most - 1;
+        const int lacking = f.columns % most ? most - f.columns % most : 0,
+                  full = f.columns - fewer * lacking;
+        if (most > 1)
+            expand_order(f, k, c++, 1);
+        for (; most > 1 && c + most - 1 <= full; c += most)
+            expand_order(f, k, c, most);
+        for (; fewer > 1 && c + fewer - 1 <= f.columns; c += fewer)
+            expand_order(f, k, c, fewer);
+    }
     for (; c <= f.columns; c++)
         expand_order(f, k, c, 1);
 }
