@@ -692,7 +692,8 @@ static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros
                 status = saltus_locus_see(&l->x, &l->next, &why);
             if (status == SALTUS_NO_MEMORY)
                 return saltus_branch_no_memory(message);
-            found = status == SALTUS_OK && is_near(l, &l->next) && !saltus_locus_strays(&l->here, &l->next) &&
+            found = status == SALTUS_OK && is_near(l, &l->next) &&
+                    !saltus_curve_strays(&l->here.at, &l->next.at) &&
                     !saltus_locus_leaps(&l->here, &l->next) &&
                     saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }

@@ -106,7 +106,7 @@ static bool append_until(search *s, const sample *end, int depth) {
     if (!doubts || s->samples.count >= samples_most)
         return append(s, end);
     if (!saltus_locus_visit(s->x, s->here, middle, s->out))
-        return middle > far && saltus_locus_strays(s->here, s->out) ? false : append(s, end);
+        return middle > far && saltus_curve_strays(&s->here->at, &s->out->at) ? false : append(s, end);
     const sample between = sample_of(s->out, middle);
     return append_until(s, &between, depth + 1) && append_until(s, end, depth + 1);
 }
@@ -137,7 +137,7 @@ static bool visit_sharply(saltus_extended *x, const saltus_locus_point *here, do
                           saltus_locus_point *out) {
     return saltus_locus_reach(x, &here->at, ahead, tolerance, x->equations.tolerance, &out->at, NULL) ==
                SALTUS_OK &&
-           !saltus_locus_strays(here, out) && saltus_locus_see(x, out, NULL) == SALTUS_OK;
+           !saltus_curve_strays(&here->at, &out->at) && saltus_locus_see(x, out, NULL) == SALTUS_OK;
 }
 
 static bool corner_at(void *context, double ahead, double *value) {

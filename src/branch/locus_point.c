@@ -318,10 +318,6 @@ bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *here, c
            (distance > nothing && distance > 0.5 * saltus_locus_apart(x, &here->orbit, NULL));
 }
 
-bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_point *to) {
-    return saltus_curve_strays(&here->at, &to->at);
-}
-
 bool saltus_locus_leaps(const saltus_locus_point *here, const saltus_locus_point *to) {
     const double share = 1.5, little = 0.05, shortest = 1e-3;
     const int m = to->at.unknowns;
@@ -353,7 +349,7 @@ saltus_status saltus_locus_reach(saltus_extended *x, const saltus_curve_point *f
 bool saltus_locus_visit(saltus_extended *x, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out) {
     return saltus_curve_visit(&x->equations, &here->at, ahead, &out->at, NULL) == SALTUS_OK &&
-           !saltus_locus_strays(here, out) && saltus_locus_see(x, out, NULL) == SALTUS_OK;
+           !saltus_curve_strays(&here->at, &out->at) && saltus_locus_see(x, out, NULL) == SALTUS_OK;
 }
 
 void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, double theta,

@@ -60,8 +60,6 @@ bool saltus_locus_grows(const saltus_extended *extended, const saltus_solution *
  * overwritten. Errors: as above; there is then no such point. */
 saltus_status saltus_locus_reframe(saltus_extended *extended, saltus_locus_point *here,
                                    saltus_locus_point *scratch, saltus_message *message);
-/* saltus_curve_strays: across a hairpin, on another piece of the curve. */
-bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_point *to);
 /* Whether a step has led to another piece of the curve, or another curve, beside it: on one smooth piece the
  * chord's angles with the two tangents add up to that between these, or nearly so. */
 bool saltus_locus_leaps(const saltus_locus_point *here, const saltus_locus_point *to);

@@ -83,15 +83,14 @@ static saltus_status give_return(saltus_trace *t, const saltus_solution *s, salt
 
 /* At a pitchfork the parameter turns back exactly where the other branch crosses. Of a fold and a branch
  * point that cannot be told apart only the branch point is given out: the equations are singular there, so
- * that orbits as close to it as the cube root of their residual may be found on either branch. */
-static bool is_pitchfork(const saltus_trace *t, const saltus_branch_point *last,
-                         const saltus_special *special) {
-    const double singular = cbrt(t->orbits.equations->tolerance);
+ * that so close to it orbits may be found on either branch. */
+static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *special, double arclength) {
+    const double singular = 1e-5;
     return ((last->kind == SALTUS_POINT_LP && special->kind == SALTUS_POINT_BP) ||
             (last->kind == SALTUS_POINT_BP && special->kind == SALTUS_POINT_LP)) &&
            isfinite(last->accuracy + special->accuracy) &&
            (fabs(last->value[0] - special->value) <= last->accuracy + special->accuracy ||
-            fabs(last->arclength - (t->trail->arclength + special->ahead)) < singular);
+            fabs(last->arclength - arclength) < singular);
 }
 
 /* Where a branch leaves another one its parameter may turn, too: a fold so close to there that it cannot be
@@ -189,7 +188,7 @@ static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf
     if (special->kind == SALTUS_POINT_REGULAR)
         return give_return(t, t->trial, what, message);
     saltus_branch_point *last = saltus_trail_last(t->trail);
-    if (last && is_pitchfork(t, last, special)) {
+    if (last && is_pitchfork(last, special, t->trail->arclength + special->ahead)) {
         if (special->kind == SALTUS_POINT_LP)
             return status;
         saltus_trail_drop_last(t->trail);

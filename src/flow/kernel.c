@@ -470,6 +470,8 @@ static void expand_any(const saltus_work *w, int from, int to) {
             expand_rows(w, from, to, n, model_common_terms(n));                                              \
         else if (common && n <= model_rows_varied)                                                           \
             expand_directions(w, from, to, n, row_block(n), model_common_terms(n));                          \
+        else if (n <= model_rows_plain && !w->directions)                                                    \
+            expand_rows(w, from, to, n, w->loaded.terms);                                                    \
         else if (n <= model_rows_plain)                                                                      \
             expand_directions(w, from, to, n, row_block(n), w->loaded.terms);                                \
         else                                                                                                 \
