@@ -1557,7 +1557,6 @@ static void an_interrupted_network_goes_on(void **unused) {
     static const char *const key[2] = {"omega", "d"};
     static const double low[2] = {1.2292, 0.12782}, high[2] = {3.2778, 0.85211};
     static const double from[2] = {38, 0.034}, to[2] = {46, 0.036};
-    skip_where_slow();
     saltus_spec spec = meeting_curves();
     saltus_motion motion = settled(&spec);
     saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);

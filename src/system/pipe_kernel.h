@@ -17,15 +17,7 @@
 
 /* Systems of up to this many rows have loops of their own: with the terms that most have, without and with
  * parameter columns, or with any. `model_abreast`: this many packs of tangent vectors are expanded side by
- * side. Compilers take minutes for all of that with sanitizers, which make do with less. */
-#ifdef SALTUS_SANITIZED
-enum {
-    model_rows_common = SALTUS_WIDE ? 5 : 1,
-    model_rows_varied = 0,
-    model_rows_plain = SALTUS_WIDE ? 0 : 1,
-    model_abreast = 1
-};
-#else
+ * side. */
 enum {
     model_rows_common = SALTUS_WIDE        ? 16
                         : SALTUS_PACK == 4 ? 2
@@ -34,16 +26,13 @@ enum {
     model_rows_plain = SALTUS_WIDE ? 0 : 2,
     model_abreast = SALTUS_WIDE || ROW_BLOCK_MAX < 4 ? 1 : 4
 };
-#endif
 KERNEL_INLINE unsigned model_common_terms(int rows) {
     return SALTUS_TERM_FORCED | SALTUS_TERM_CUBIC | (SALTUS_WIDE && rows == 1 ? 0 : SALTUS_TERM_COUPLED);
 }
 
 /* Modes of a lone trajectory with straight code of its own, if it has the common terms and the forcing
  * matters at all orders. */
-#if defined(SALTUS_SANITIZED) && !SALTUS_WIDE && SALTUS_PACK >= 4
-#define MODEL_ALONE(X) X(1) X(3)
-#elif !SALTUS_WIDE && SALTUS_PACK == 8
+#if !SALTUS_WIDE && SALTUS_PACK == 8
 #define MODEL_ALONE(X) X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8)
 #elif !SALTUS_WIDE && SALTUS_PACK == 4
 #define MODEL_ALONE(X) X(1) X(2) X(3) X(4)
