@@ -83,13 +83,13 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *
             gone[at->breaches[k].mark] = true;
     saltus_sequence_without(&at->sequence, gone, &less, NULL);
     saltus_status status = saltus_orbits_evaluate(o, &less, at->parameter, at->state, &shooting, NULL);
-    const int count = status == SALTUS_OK ? saltus_corner_multipliers(shooting, o->n, re, im) : 0;
+    const int count = status == SALTUS_OK ? saltus_corner_multipliers(o, shooting, re, im) : 0;
     for (int k = 0; k < count; k++) {
         ones += hypot(re[k] - 1, im[k]) < close;
         both += hypot(re[k] - 1, im[k]) < close || hypot(re[k] + 1, im[k]) < close;
     }
     *doubled = both > 1;
-    saltus_orbits_noted(o, count < 0 ? SALTUS_NO_MEMORY : status);
+    saltus_orbits_noted(o, status);
     saltus_shooting_free(shooting);
     return ones > 1;
 }

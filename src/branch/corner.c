@@ -68,7 +68,8 @@ double saltus_corner_breach(const saltus_extended *x, const saltus_solution *s) 
 
 /* Factor the equations last evaluated by a shooting at fixed parameters, with closing rows to which so much
  * of each of the n states at the base is added. `lu` is to be closed; false without memory. */
-static bool factor_closing(saltus_shooting *shooting, int n, double added, saltus_dense_lu *lu) {
+static bool factor_closing(saltus_orbits *o, saltus_shooting *shooting, int n, double added,
+                           saltus_dense_lu *lu) {
     const saltus_equations *e = saltus_shooting_equations(shooting);
     const int c = e->count, row = saltus_shooting_closing_row(shooting);
     double *a = calloc((size_t)(c * c), sizeof *a);
@@ -80,23 +81,25 @@ static bool factor_closing(saltus_shooting *shooting, int n, double added, saltu
     if (room)
         saltus_dense_factor(lu, a);
     free(a);
+    o->starved |= !room;
     return room;
 }
 
-int saltus_corner_multipliers(saltus_shooting *shooting, int n, double *re, double *im) {
+int saltus_corner_multipliers(saltus_orbits *o, saltus_shooting *shooting, double *re, double *im) {
     const double shift = 0.5, infinite = 1e-9;
-    int c = saltus_shooting_equations(shooting)->count, row = saltus_shooting_closing_row(shooting),
+    int n = o->n, c = saltus_shooting_equations(shooting)->count, row = saltus_shooting_closing_row(shooting),
         count = 0;
     saltus_dense_lu lu = {.n = 0};
     double *columns = calloc((size_t)(n * c + n * n + 2 * n), sizeof *columns);
-    if (!columns || !factor_closing(shooting, n, 1 - shift, &lu)) {
+    if (!columns || !factor_closing(o, shooting, n, 1 - shift, &lu)) {
+        o->starved = true;
         free(columns);
-        return -1;
+        return 0;
     }
-    double *inverse = columns + n * c, *real = inverse + n * n, *imaginary = real + n;
-    for (int i = 0; i < n; i++)
-        columns[i * c + row + i] = 1;
     bool sound = lu.sign != 0;
+    double *inverse = columns + n * c, *real = inverse + n * n, *imaginary = real + n;
+    for (int i = 0; i < n && sound; i++)
+        columns[i * c + row + i] = 1;
     if (sound)
         saltus_dense_resolve(&lu, false, n, columns);
     for (int i = 0; i < n && sound; i++)
@@ -146,12 +149,12 @@ void saltus_corner_still(const saltus_orbits *o, int mark) {
     e->jacobian[entry * e->unknowns + entry] = 0;
 }
 
-bool saltus_corner_closing(saltus_shooting *shooting, int turned, saltus_scaled *value) {
+saltus_scaled saltus_corner_closing(saltus_orbits *o, saltus_shooting *shooting, bool flips) {
     saltus_dense_lu lu = {.n = 0};
-    const bool room = factor_closing(shooting, turned, 2, &lu);
-    *value = (saltus_scaled){lu.sign, lu.log_modulus};
+    factor_closing(o, shooting, flips ? o->n : 0, 2, &lu);
+    const saltus_scaled value = {lu.sign, lu.log_modulus};
     saltus_dense_lu_close(&lu);
-    return room;
+    return value;
 }
 
 enum { of_fold, of_flip, of_pair, of_orbit };
@@ -159,16 +162,16 @@ enum { of_fold, of_flip, of_pair, of_orbit };
 /* The functions of the orbit last evaluated by the shooting, on a curve of grazing, at fixed parameters: the
  * determinant of the equations, the same for an orbit that closes on minus its beginning, and the product of
  * mu_i mu_j - 1 over all pairs of finite multipliers. The last is zero where a pair is on the unit circle or
- * two real multipliers have the product 1, and as smooth as the equations. False without memory. */
-static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test tests[of_orbit]) {
+ * two real multipliers have the product 1, and as smooth as the equations. */
+static void measure_orbit(saltus_orbits *o, saltus_shooting *shooting, saltus_locus_test tests[of_orbit]) {
     const double on = 1e-6, nothing = 1e-10,
                  infinite = 1e6; /* larger: infinite, but for the residual speed at grazing */
     saltus_locus_test *pair = &tests[of_pair];
-    const bool room = saltus_corner_closing(shooting, 0, &tests[of_fold].value) &&
-                      saltus_corner_closing(shooting, n, &tests[of_flip].value);
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], size = 0, angle = 0, least = INFINITY;
-    const int all = room ? saltus_corner_multipliers(shooting, n, re, im) : -1;
+    const int all = saltus_corner_multipliers(o, shooting, re, im);
     int count = 0;
+    tests[of_fold].value = saltus_corner_closing(o, shooting, false);
+    tests[of_flip].value = saltus_corner_closing(o, shooting, true);
     for (int i = 0; i < all; i++) {
         if (hypot(re[i], im[i]) > infinite)
             continue;
@@ -192,7 +195,6 @@ static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test te
     /* Without damping and impacts a pair is on the circle all along the curve. */
     if (count > 1)
         pair->quiet = size + log(nothing / least);
-    return all >= 0;
 }
 
 /* The distance of a number from the nearest of others, relative to the larger modulus of both, or to `least`;
@@ -309,8 +311,8 @@ static saltus_status evaluate_without(const saltus_extended *x, const saltus_sol
 }
 
 /* The six functions of an orbit on a curve of grazing, three with the grazing impact and three without; NAN
- * if they cannot be computed. False without memory. */
-static bool measure_grazing(const saltus_extended *x, const saltus_solution *s, saltus_locus_test *corners) {
+ * if they cannot be computed. */
+static void measure_grazing(saltus_extended *x, const saltus_solution *s, saltus_locus_test *corners) {
     static const saltus_point_kind kinds[of_orbit] = {SALTUS_POINT_GR_LP, SALTUS_POINT_GR_PD,
                                                       SALTUS_POINT_GR_NS};
     saltus_locus_test tests[2][of_orbit];
@@ -324,9 +326,9 @@ static bool measure_grazing(const saltus_extended *x, const saltus_solution *s, 
         if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
             saltus_corner_still(&x->orbits, s->breaches[k].mark);
     const saltus_status status = evaluate_without(x, s, &shooting, &ignored);
-    const bool room = status != SALTUS_NO_MEMORY &&
-                      (status != SALTUS_OK || measure_orbit(shooting, x->orbits.n, tests[1])) &&
-                      measure_orbit(x->orbits.shooting, x->orbits.n, tests[0]);
+    if (saltus_orbits_noted(&x->orbits, status) == SALTUS_OK)
+        measure_orbit(&x->orbits, shooting, tests[1]);
+    measure_orbit(&x->orbits, x->orbits.shooting, tests[0]);
     saltus_shooting_free(shooting);
     /* Determinants with and without the impact are of similar size if neither is zero. If complete chatter
      * after the impact loses all its effects, the determinant with it is only rounding. */
@@ -335,7 +337,6 @@ static bool measure_grazing(const saltus_extended *x, const saltus_solution *s, 
     memcpy(corners, tests[0], 2 * sizeof *corners);
     memcpy(corners + 2, tests[1], 3 * sizeof *corners);
     corners[5] = tests[0][of_pair];
-    return room;
 }
 
 static saltus_locus_test smooth(saltus_point_kind kind, double value, bool ends) {
@@ -353,7 +354,7 @@ bool saltus_corner_is_rounding(const saltus_locus_test *test) {
     return test->quiet != 0 && log(fabs(test->value.mantissa)) + test->value.exponent < test->quiet;
 }
 
-int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *point, const saltus_solution *s,
+int saltus_corner_measure(saltus_extended *x, const saltus_curve_point *point, const saltus_solution *s,
                           saltus_locus_test *corners) {
     static const saltus_point_kind grazing[] = {[SALTUS_POINT_LP] = SALTUS_POINT_GR_LP,
                                                 [SALTUS_POINT_PD] = SALTUS_POINT_GR_PD,
@@ -384,8 +385,7 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
         corners[count++] = smooth(SALTUS_POINT_R4, cos(theta), false);
         break;
     case SALTUS_POINT_GR:
-        if (!measure_grazing(x, s, corners + 1))
-            return -1;
+        measure_grazing(x, s, corners + 1);
         count = 7;
         break;
     default:
@@ -397,38 +397,36 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
 /* Whether another branch crosses at an orbit with a multiplier 1: then the equations with both parameters
  * have not the full rank either, as the left null vector is across what the parameters do, up to rounding:
  * after a long run of impacts, most of that vector lies in their times, which parameters hardly move. */
-static saltus_status is_branch_point(const saltus_extended *x, const saltus_solution *s, bool without,
-                                     bool *branches, saltus_message *message) {
+static bool is_branch_point(saltus_extended *x, const saltus_solution *s, bool without) {
     const double across = 1e-8;
     saltus_sequence sequence = without ? saltus_corner_without(x, s, NULL) : s->sequence;
     saltus_shooting *shooting = NULL;
     double value, *a = NULL;
-    *branches = false;
     saltus_status status =
-        saltus_orbits_evaluate(&x->orbits, &sequence, s->parameter, s->state, &shooting, message);
+        saltus_orbits_evaluate(&x->orbits, &sequence, s->parameter, s->state, &shooting, NULL);
+    bool branches = status == SALTUS_OK;
     if (status == SALTUS_OK) {
         const saltus_equations *e = saltus_shooting_equations(shooting);
         const int c = e->count, m = e->unknowns;
-        double *left = NULL;
         a = calloc((size_t)(c * (c + 1)), sizeof *a);
-        status = a ? SALTUS_OK : SALTUS_NO_MEMORY;
+        double *left = a ? a + c * c : NULL;
         for (int i = 0; i < c * c && a; i++)
             a[i] = e->jacobian[i % c * m + i / c];
-        if (a)
-            status = saltus_dense_null_vectors(a, c, c, 1, left = a + c * c, &value);
-        *branches = status == SALTUS_OK;
-        for (int k = c; k < m && status == SALTUS_OK; k++) {
+        status = a ? saltus_dense_null_vectors(a, c, c, 1, left, &value) : SALTUS_NO_MEMORY;
+        branches = status == SALTUS_OK;
+        for (int k = c; k < m && branches; k++) {
             double along = 0, size = 0;
             for (int i = 0; i < c; i++) {
                 along += left[i] * e->jacobian[i * m + k];
                 size += fabs(left[i] * e->jacobian[i * m + k]);
             }
-            *branches = *branches && fabs(along) <= across * size;
+            branches = fabs(along) <= across * size;
         }
     }
     saltus_shooting_free(shooting);
     free(a);
-    return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for a locus") : SALTUS_OK;
+    saltus_orbits_noted(&x->orbits, status);
+    return branches;
 }
 
 bool saltus_corner_ends_chatter(const saltus_solution *s, const saltus_breach *breach) {
@@ -440,19 +438,15 @@ bool saltus_corner_ends_chatter(const saltus_solution *s, const saltus_breach *b
     return k < 0 || s->sequence.mark[k].kind != SALTUS_STICK;
 }
 
-saltus_status saltus_corner_tell(const saltus_extended *x, const saltus_locus_test *corner,
-                                 const saltus_solution *s, saltus_point_kind *kind, saltus_message *message) {
+saltus_point_kind saltus_corner_tell(saltus_extended *x, const saltus_locus_test *corner,
+                                     const saltus_solution *s) {
     const saltus_breach *worst = worst_of(x, s);
-    saltus_status status = SALTUS_OK;
-    bool branches = false;
-    *kind = corner->kind;
+    saltus_point_kind kind = corner->kind;
     if (corner->breach && worst && (worst->kind == SALTUS_BREACH_HOLD || worst->kind == SALTUS_BREACH_FORCE))
-        *kind = !saltus_corner_ends_chatter(s, worst) ? SALTUS_POINT_ST
-                : x->kind == SALTUS_POINT_GR          ? SALTUS_POINT_CH_GR
-                                                      : SALTUS_POINT_CH;
-    if (x->kind == SALTUS_POINT_GR && *kind == SALTUS_POINT_GR_LP)
-        status = is_branch_point(x, s, corner->without, &branches, message);
-    if (branches)
-        *kind = SALTUS_POINT_GR_BP;
-    return status;
+        kind = !saltus_corner_ends_chatter(s, worst) ? SALTUS_POINT_ST
+               : x->kind == SALTUS_POINT_GR          ? SALTUS_POINT_CH_GR
+                                                     : SALTUS_POINT_CH;
+    if (x->kind == SALTUS_POINT_GR && kind == SALTUS_POINT_GR_LP && is_branch_point(x, s, corner->without))
+        kind = SALTUS_POINT_GR_BP;
+    return kind;
 }

@@ -1,4 +1,5 @@
-/* Private: points of codimension two on a locus, where one more condition holds; in short corners.
+/* Private: points of codimension two on a locus, where one more condition holds; in short corners. Lack of
+ * memory is noted in the orbits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_CORNER_H
 #define SALTUS_BRANCH_CORNER_H
@@ -42,8 +43,8 @@ bool saltus_corner_ends_chatter(const saltus_solution *orbit, const saltus_breac
 saltus_sequence saltus_corner_without(const saltus_extended *extended, const saltus_solution *orbit,
                                       int *order);
 /* Evaluate all functions at a point, from the last evaluation of the extended equations and the orbit there.
- * Returns their number, which depends only on the kind of locus; -1 without memory. */
-int saltus_corner_measure(const saltus_extended *extended, const saltus_curve_point *point,
+ * Returns their number, which depends only on the kind of locus. */
+int saltus_corner_measure(saltus_extended *extended, const saltus_curve_point *point,
                           const saltus_solution *orbit, saltus_locus_test *corners);
 
 bool saltus_corner_is_rounding(const saltus_locus_test *test);
@@ -55,22 +56,19 @@ bool saltus_corner_hides(const saltus_locus_test *a, const saltus_locus_test *b)
 bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b, int count);
 /* What the corner is that has been located at an orbit: where a multiplier is 1 on a curve of grazing, a fold
  * (GR-LP) or a branch point (GR-BP); where a contact that chatter led to shrinks to nothing, CH-GR, on other
- * curves CH; where another contact begins or ends, ST. Otherwise it is corner->kind. Errors:
- * SALTUS_NO_MEMORY. */
-saltus_status saltus_corner_tell(const saltus_extended *extended, const saltus_locus_test *corner,
-                                 const saltus_solution *orbit, saltus_point_kind *kind,
-                                 saltus_message *message);
+ * curves CH; where another contact begins or ends, ST. Otherwise it is corner->kind. */
+saltus_point_kind saltus_corner_tell(saltus_extended *extended, const saltus_locus_test *corner,
+                                     const saltus_solution *orbit);
 
 /* Take the speed of the impact of a mark, which grazes, as zero in the equations last evaluated: what they
  * have is a residual, which would count where other impacts after it lose its effects. */
 void saltus_corner_still(const saltus_orbits *orbits, int mark);
-/* The determinant of the equations last evaluated by a shooting at fixed parameters: zero at a fold. With
- * `turned` closing rows, all of them, for an orbit that closes on minus its beginning: zero at a flip. False
- * without memory. */
-bool saltus_corner_closing(saltus_shooting *shooting, int turned, saltus_scaled *value);
-/* The finite multipliers of the orbit last evaluated by a shooting; returns their number, at most n; -1
- * without memory. At grazing one multiplier is infinite, so the eigenvalues 1 / (mu - shift) of the inverse
- * of the shifted equations are computed. */
-int saltus_corner_multipliers(saltus_shooting *shooting, int n, double *re, double *im);
+/* The determinant of the equations last evaluated by a shooting at fixed parameters: zero at a fold. `flips`:
+ * for an orbit that closes on minus its beginning, zero at a flip. */
+saltus_scaled saltus_corner_closing(saltus_orbits *orbits, saltus_shooting *shooting, bool flips);
+/* The finite multipliers of the orbit last evaluated by a shooting; returns their number, at most n. At
+ * grazing one multiplier is infinite, so the eigenvalues 1 / (mu - shift) of the inverse of the shifted
+ * equations are computed. */
+int saltus_corner_multipliers(saltus_orbits *orbits, saltus_shooting *shooting, double *re, double *im);
 
 #endif

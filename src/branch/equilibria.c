@@ -112,9 +112,8 @@ bool saltus_rest_give(saltus_rests *r, const saltus_rest *s, saltus_notice what,
     snprintf(point.label, sizeof point.label, "%s", label_of(s->contacts));
     if (touches)
         saltus_point_mark_grazing(r->system, &touch, &point);
-    const saltus_status status = saltus_trail_give(trail, r->system, &point, &what, NULL);
-    trail->following = saltus_rests_noted(r, status) == SALTUS_OK && trail->following;
-    return status == SALTUS_OK;
+    saltus_trail_give(trail, r->system, &point, &what, &r->starved);
+    return !r->starved;
 }
 
 static bool give(saltus_equilibria *e, const saltus_rest *s, saltus_notice what) {

@@ -59,7 +59,6 @@ static bool test_at(void *context, double ahead, double *value) {
     saltus_orbits *o = &s->x.orbits;
     saltus_shooting *without = NULL;
     double rounding, re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
-    saltus_scaled closing;
     saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, NULL);
     if (status == SALTUS_OK && touches)
         status = see_breach(s, value);
@@ -73,17 +72,14 @@ static bool test_at(void *context, double ahead, double *value) {
         status = saltus_equations_evaluate(o->equations, s->at.u, NULL);
     if (status == SALTUS_OK && grazes && !s->without)
         saltus_corner_still(o, s->x.mark);
-    if (status == SALTUS_OK && grazes)
-        status = saltus_corner_closing(without ? without : o->shooting, flips ? o->n : 0, &closing)
-                     ? SALTUS_OK
-                     : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK && grazes) {
+        const saltus_scaled closing = saltus_corner_closing(o, without ? without : o->shooting, flips);
         s->exponent = isnan(s->exponent) ? closing.exponent : s->exponent;
         *value = saltus_scaled_in(closing, s->exponent);
     }
     int count = 0;
     if (status == SALTUS_OK && multipliers) {
-        count = saltus_corner_multipliers(without ? without : o->shooting, o->n, re, im);
+        count = saltus_corner_multipliers(o, without ? without : o->shooting, re, im);
         *value = INFINITY;
     }
     for (int k = 0; k < count; k++) {
@@ -96,7 +92,7 @@ static bool test_at(void *context, double ahead, double *value) {
             *value = own;
     }
     saltus_shooting_free(without);
-    return saltus_orbits_noted(o, count < 0 ? SALTUS_NO_MEMORY : status) == SALTUS_OK && isfinite(*value);
+    return saltus_orbits_noted(o, status) == SALTUS_OK && isfinite(*value);
 }
 
 /* s->at becomes the zero of the test near s->on, where the test is almost linear; *doubt as for
@@ -188,13 +184,12 @@ static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_
 static saltus_point_kind name_flip(shorter *s, saltus_point_kind locus) {
     const double near = 1e-3;
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
-    const int count = saltus_corner_multipliers(s->x.orbits.shooting, s->x.orbits.n, re, im);
+    const int count = saltus_corner_multipliers(&s->x.orbits, s->x.orbits.shooting, re, im);
     int flips = 0, folds = 0;
     for (int k = 0; k < count; k++) {
         flips += hypot(re[k] + 1, im[k]) < near;
         folds += hypot(re[k] - 1, im[k]) < near;
     }
-    saltus_orbits_noted(&s->x.orbits, count < 0 ? SALTUS_NO_MEMORY : SALTUS_OK);
     if (locus == SALTUS_POINT_LP)
         return flips == 1 && !folds ? SALTUS_POINT_GPD : SALTUS_POINT_REGULAR;
     return flips == 2            ? SALTUS_POINT_R2

@@ -42,49 +42,48 @@ static double left_of(saltus_extended *x, measure by, int parts, const saltus_so
 
 /* `at` becomes the place where what is left by a measure is nothing, extrapolated from places on the curve of
  * `here` so far apart before one `ahead` of it, where the equations are regular; *spread: how far off in the
- * plane it would be with one of them less. Errors: SALTUS_NO_MEMORY, those of the equations. */
-static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double ahead, double apart,
-                                 int samples, measure by, int parts, saltus_locus_point *at, double *spread,
-                                 saltus_message *message) {
+ * plane it would be with one of them less. False if the equations fail. */
+static bool extrapolate(saltus_extended *x, saltus_locus_point *here, double ahead, double apart, int samples,
+                        measure by, int parts, saltus_locus_point *at, double *spread) {
     const double sharpest = 1e-13, sharp = 1e-11;
     int m = here->at.unknowns;
     double rest[samples_most], *u = calloc((size_t)(m * samples), sizeof *u);
     saltus_locus_point before = {.corner_count = 0};
-    saltus_status status = u ? SALTUS_OK : saltus_branch_no_memory(message);
+    x->orbits.starved |= !u;
+    bool found = u;
     /* A residual moves the place by its size divided by the remainder, and spoils the bend even more. */
     here->at.bent = false;
-    for (int k = 0; k < samples && status == SALTUS_OK; k++) {
+    for (int k = 0; k < samples && found; k++) {
         /* Orbits with slow impacts are close to those without them, on which a long step would end. */
         const bool follows = by == BY_SPEED && k > 0;
         if (follows)
             SALTUS_SWAP(*at, before);
         /* Rounding may be more than the first tolerance. */
         double tolerance = sharpest;
-        status = saltus_locus_reach(x, follows ? &before.at : &here->at,
-                                    follows ? -apart : ahead - (k + 1) * apart, &tolerance, sharp, &at->at,
-                                    message);
-        if (status == SALTUS_OK)
-            status = saltus_locus_see_orbit(x, at, message);
-        rest[k] = status == SALTUS_OK ? left_of(x, by, parts, &at->orbit) : NAN;
-        for (int j = 0; j < m && status == SALTUS_OK; j++)
+        found = saltus_locus_reach(x, follows ? &before.at : &here->at,
+                                   follows ? -apart : ahead - (k + 1) * apart, &tolerance, sharp, &at->at,
+                                   NULL) == SALTUS_OK &&
+                saltus_locus_see_orbit(x, at, NULL) == SALTUS_OK;
+        rest[k] = found ? left_of(x, by, parts, &at->orbit) : NAN;
+        for (int j = 0; j < m && found; j++)
             u[j * samples + k] = at->at.u[j];
     }
     at->at.ahead = *spread = 0;
-    for (int j = 0; j < m && status == SALTUS_OK; j++) {
+    for (int j = 0; j < m && found; j++) {
         at->at.u[j] = saltus_curve_interpolate(rest, u + j * samples, samples);
         at->at.ahead += (at->at.u[j] - here->at.u[j]) * here->at.tangent[j];
     }
     /* The halves may change places, which changes the distance's sign, but not the parameters. */
-    for (int k = 0; k < samples && by == BY_DISTANCE && x->kind != SALTUS_POINT_GR; k++)
+    for (int k = 0; k < samples && found && by == BY_DISTANCE && x->kind != SALTUS_POINT_GR; k++)
         rest[k] *= rest[k];
-    for (int j = x->orbits.equations->count, d = 0; d < 2 && status == SALTUS_OK; d++) {
+    for (int j = x->orbits.equations->count, d = 0; d < 2 && found; d++) {
         const double *values = u + (j + d) * samples;
         at->at.u[j + d] = saltus_curve_interpolate(rest, values, samples);
         *spread = hypot(*spread, at->at.u[j + d] - saltus_curve_interpolate(rest, values, samples - 1));
     }
     free(u);
     saltus_locus_point_clear(&before);
-    return status == SALTUS_OK ? saltus_locus_see_orbit(x, at, message) : status;
+    return found && saltus_locus_see_orbit(x, at, NULL) == SALTUS_OK;
 }
 
 /* How many impacts have hardly a speed. */
@@ -112,7 +111,7 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
         return;
     double spread, least = INFINITY, second = INFINITY, ahead = place, doubt = INFINITY,
                    *u = calloc(3 * (size_t)m, sizeof *u);
-    saltus_orbits_noted(&x->orbits, u ? SALTUS_OK : SALTUS_NO_MEMORY);
+    x->orbits.starved |= !u;
     if (!u)
         return;
     double *located = u + m, *other = u + 2 * m;
@@ -120,10 +119,10 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     const bool bent = here->at.bent;
     memcpy(located, at->at.u, size);
     for (int k = 0; k < 2 * spacings; k++) {
-        const saltus_status status = extrapolate(x, here, place, apart[k / 2], samples_most,
-                                                 k % 2 ? BY_ROOT : BY_BREACH, 0, at, &spread, NULL);
+        const bool sound = extrapolate(x, here, place, apart[k / 2], samples_most,
+                                       k % 2 ? BY_ROOT : BY_BREACH, 0, at, &spread);
         const double moved = hypot(at->at.u[c] - located[c], at->at.u[c + 1] - located[c + 1]);
-        if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK || !(spread < second) || !(moved < far))
+        if (!sound || !(spread < second) || !(moved < far))
             continue;
         if (spread < least) {
             memcpy(other, u, size);
@@ -144,7 +143,7 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     memcpy(at->at.u, sharper ? u : located, size);
     at->at.ahead = sharper ? ahead : place;
     at->doubt = sharper ? doubt : at->doubt;
-    saltus_orbits_noted(&x->orbits, saltus_locus_see_orbit(x, at, NULL));
+    saltus_locus_see_orbit(x, at, NULL);
     free(u);
 }
 
@@ -195,10 +194,9 @@ static void sharpen_join(saltus_extended *x, const saltus_locus_point *here, int
     const int m = here->at.unknowns;
     const size_t size = (size_t)m * sizeof(double);
     double singular, spread, ahead, *work = calloc((size_t)(10 * m), sizeof *work);
-    if (!work) {
-        saltus_orbits_noted(&x->orbits, SALTUS_NO_MEMORY);
+    x->orbits.starved |= !work;
+    if (!work)
         return;
-    }
     double *best = work + 7 * m, *start = work + 8 * m;
     crossing c = {.x = x, .from = here->at, .at = at, .parts = parts, .exponent = NAN};
     c.from.u = memcpy(start, at->at.u, size);
@@ -227,7 +225,7 @@ static bool locate_join(saltus_extended *x, saltus_point_kind kind, int parts, c
                         saltus_locus_point *at) {
     const double close = 1e-9, slack = 100;
     memcpy(at->at.u, u, (size_t)x->equations.unknowns * sizeof *u);
-    return saltus_orbits_noted(&x->orbits, saltus_locus_see_orbit(x, at, NULL)) == SALTUS_OK &&
+    return saltus_locus_see_orbit(x, at, NULL) == SALTUS_OK &&
            saltus_halved_touch(x, kind, parts, fmax(close, slack * least), at);
 }
 
@@ -248,27 +246,25 @@ saltus_point_kind saltus_locus_join_near(saltus_extended *x, saltus_locus_point 
                : SALTUS_POINT_REGULAR;
 }
 
-saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
-                                saltus_point_kind *kind, saltus_message *message) {
+saltus_point_kind saltus_locus_join(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {
     static const double apart[] = {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5};
     enum { spacings = sizeof apart / sizeof apart[0] };
     const double sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11;
     const size_t size = (size_t)here->at.unknowns * sizeof(double);
+    saltus_point_kind kind = SALTUS_POINT_REGULAR;
     int parts;
     double spread, ahead = 0, least = INFINITY;
-    *kind = SALTUS_POINT_REGULAR;
     if (x->kind != SALTUS_POINT_GR)
-        return saltus_locus_join_halves(x, here, at, kind, message);
+        return saltus_locus_join_halves(x, here, at);
     if (!isfinite(saltus_locus_apart(x, &here->orbit, &parts)))
-        return SALTUS_OK;
+        return kind;
     double *u = malloc(size);
-    saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
+    x->orbits.starved |= !u;
     /* If several breaches fall to zero together, now one is the worst, now another: try the distance too.
      * That may be small of second order, where impacts undo each other's effects: try their speeds. */
-    for (int k = 0; k < 3 * spacings && least > trusted && status != SALTUS_NO_MEMORY; k++) {
+    for (int k = 0; k < 3 * spacings && least > trusted && u; k++) {
         const measure by = k / spacings;
-        status = extrapolate(x, here, 0, apart[k % spacings], 6, by, parts, at, &spread, NULL);
-        if (status != SALTUS_OK || !(spread < least) ||
+        if (!extrapolate(x, here, 0, apart[k % spacings], 6, by, parts, at, &spread) || !(spread < least) ||
             !(at->at.ahead > 0 && at->at.ahead < 2 * apart[k % spacings]) ||
             !(fabs(saltus_corner_breach(x, &at->orbit)) < sharp[by]) ||
             !(saltus_locus_distance(x, &at->orbit, parts) < sharp[by]))
@@ -276,36 +272,33 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
         least = spread;
         ahead = at->at.ahead;
         memcpy(u, at->at.u, size);
-        *kind = kind_of_join(x, &at->orbit, parts);
+        kind = kind_of_join(x, &at->orbit, parts);
     }
-    if (*kind && status != SALTUS_NO_MEMORY) {
-        if (!(parts > 1 && locate_join(x, *kind, parts, u, least, at))) {
-            memcpy(at->at.u, u, size);
-            sharpen_join(x, here, parts, least, at);
-            status = saltus_locus_see_orbit(x, at, NULL);
-        }
+    if (kind && !(parts > 1 && locate_join(x, kind, parts, u, least, at))) {
+        memcpy(at->at.u, u, size);
+        sharpen_join(x, here, parts, least, at);
+        saltus_locus_see_orbit(x, at, NULL);
+    }
+    if (kind)
         at->at.ahead = ahead;
-    }
     free(u);
-    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    return kind;
 }
 
 /* Seek the place just ahead of `here` where what is left by a measure is nothing, from ever nearer and with
- * more or less places: `at` becomes the one that changes least, by less than `best`; *found says if there is
- * one. Errors: SALTUS_NO_MEMORY. */
-static saltus_status seek_end(saltus_extended *x, saltus_locus_point *here, measure by, int parts,
-                              double best, saltus_locus_point *at, bool *found, saltus_message *message) {
+ * more or less places: `at` becomes the one that changes least, by less than `best`. False if there is none.
+ */
+static bool seek_end(saltus_extended *x, saltus_locus_point *here, measure by, int parts, double best,
+                     saltus_locus_point *at) {
     static const double apart[] = {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4};
     const int first = by == BY_DISTANCE, end = by == BY_DISTANCE ? 7 : 4;
     const double farthest = 8, sharp = 1e-5, clear = 1e-6;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
     double spread, ahead = 0, before[2] = {NAN, NAN}, *u = calloc((size_t)m, sizeof *u);
-    saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
-    for (int k = 2 * first; k < 2 * end && status != SALTUS_NO_MEMORY; k++) {
+    x->orbits.starved |= !u;
+    for (int k = 2 * first; k < 2 * end && u; k++) {
         const double own = apart[k / 2];
-        status = extrapolate(x, here, 0, own, k % 2 ? samples_most : samples_most - 2, by, parts, at, &spread,
-                             NULL);
-        if (status != SALTUS_OK)
+        if (!extrapolate(x, here, 0, own, k % 2 ? samples_most : samples_most - 2, by, parts, at, &spread))
             continue;
         /* The change from the attempt before says more than `spread` alone. */
         const double doubt = fmax(spread, hypot(at->at.u[c] - before[0], at->at.u[c + 1] - before[1]));
@@ -319,44 +312,34 @@ static saltus_status seek_end(saltus_extended *x, saltus_locus_point *here, meas
             memcpy(u, at->at.u, (size_t)m * sizeof *u);
         }
     }
-    *found = status != SALTUS_NO_MEMORY && ahead > 0;
     at->doubt = best;
-    if (*found) {
+    if (ahead > 0) {
         memcpy(at->at.u, u, (size_t)m * sizeof *u);
         at->at.ahead = ahead;
-        status = saltus_locus_see_orbit(x, at, NULL);
-        *found = status == SALTUS_OK;
     }
     free(u);
-    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    return ahead > 0 && saltus_locus_see_orbit(x, at, NULL) == SALTUS_OK;
 }
 
-saltus_status saltus_locus_fade(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
-                                bool *fades, saltus_message *message) {
+bool saltus_locus_fade(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {
     const double little = 1e-3, sharp = 1e-8;
-    *fades = false;
-    if (x->kind == SALTUS_POINT_GR || !(saltus_corner_breach(x, &here->orbit) > -little))
-        return SALTUS_OK;
-    const saltus_status status = seek_end(x, here, BY_ROOT, 0, sharp, at, fades, message);
-    if (*fades)
+    const bool fades = x->kind != SALTUS_POINT_GR && saltus_corner_breach(x, &here->orbit) > -little &&
+                       seek_end(x, here, BY_ROOT, 0, sharp, at);
+    if (fades)
         saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, INFINITY, at);
-    return status;
+    return fades;
 }
 
-saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
-                                       saltus_point_kind *kind, saltus_message *message) {
-    bool found = false;
-    *kind = SALTUS_POINT_REGULAR;
+saltus_point_kind saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *here,
+                                           saltus_locus_point *at) {
     const int parts = may_join(x, &here->orbit);
     if (!parts)
-        return SALTUS_OK;
+        return SALTUS_POINT_REGULAR;
     /* From afar demand more accuracy: a step nearer may locate the place better and still not be too
      * close. */
     const double best = saltus_locus_apart(x, &here->orbit, NULL) > close_by ? 3e-9 : 1e-7;
-    const saltus_status status = seek_end(x, here, BY_DISTANCE, parts, best, at, &found, message);
-    if (found)
-        *kind = saltus_halved_tell(x, parts == 1, at);
-    return status;
+    return seek_end(x, here, BY_DISTANCE, parts, best, at) ? saltus_halved_tell(x, parts == 1, at)
+                                                           : SALTUS_POINT_REGULAR;
 }
 
 /* How many events an orbit has in the first half of its period. */

@@ -1,4 +1,4 @@
-/* Private: where curves of special orbits join those of shorter ones.
+/* Private: where curves of special orbits join those of shorter ones. Lack of memory is noted in the orbits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_JOIN_H
 #define SALTUS_BRANCH_JOIN_H
@@ -10,12 +10,12 @@
  * curve of symmetric orbits at a branch point of these. The equations are singular there, but the curve
  * depends smoothly on the remainder or, where several impacts die at once and the remainder is of second
  * order, on their speeds. The place so known is then located along the curve of the shorter orbits, which
- * solve the same equations: there the determinant changes its sign. *kind: GR-PD or GR-BP if the curve so
- * joins another one just ahead of `here`, at `at`; GR-GR if another impact of the shorter orbits grazes too,
- * or if their period is a third or less; REGULAR otherwise. On curves of other kinds it is the result of the
- * next function. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_locus_join(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at,
-                                saltus_point_kind *kind, saltus_message *message);
+ * solve the same equations: there the determinant changes its sign. GR-PD or GR-BP if the curve so joins
+ * another one just ahead of `here`, at `at`; GR-GR if another impact of the shorter orbits grazes too, or if
+ * their period is a third or less; REGULAR otherwise. On curves of other kinds it is the result of
+ * saltus_locus_join_halves. */
+saltus_point_kind saltus_locus_join(saltus_extended *extended, saltus_locus_point *here,
+                                    saltus_locus_point *at);
 /* The same where another impact seems to graze at the orbit `at` on the curve: what is unlike there may fall
  * with a root of the distance and need not be nothing yet. `at` becomes the place that the equations of the
  * shorter orbits have very near, if there is one. */
@@ -25,19 +25,17 @@ saltus_point_kind saltus_locus_join_near(saltus_extended *extended, saltus_locus
  * to, where that is told sharper. All places found here get their doubt. */
 void saltus_locus_sharpen_end(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at);
 /* Where several impacts lose their speed at once, the equations of other curves become singular and lead
- * nowhere; but these curves depend smoothly on the root of that speed. *fades: whether the curve of `here`
- * ends so just ahead, at the orbit `at`. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_locus_fade(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at,
-                                bool *fades, saltus_message *message);
+ * nowhere; but these curves depend smoothly on the root of that speed. Whether the curve of `here` ends so
+ * just ahead, at the orbit `at`. */
+bool saltus_locus_fade(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at);
 /* Curves of folds and of tori of orbits of twice the period end where these become those of half of it. The
  * equations are singular there, and beyond have nothing but the flips of the shorter orbits; but the curve
  * depends smoothly on how far the halves are apart, which tells near where the equations of the shorter
  * orbits have the place itself (halved.h). The same holds of folds of orbits that become their own mirror
- * images, where the branch points of these change their criticality. *kind: GPD, LP-PD, PD-NS, R2, R4 or CP
- * where the curve ends so ahead of `here`, at `at`; otherwise REGULAR. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_locus_join_halves(saltus_extended *extended, saltus_locus_point *here,
-                                       saltus_locus_point *at, saltus_point_kind *kind,
-                                       saltus_message *message);
+ * images, where the branch points of these change their criticality. GPD, LP-PD, PD-NS, R2, R4 or CP where
+ * the curve ends so ahead of `here`, at `at`; otherwise REGULAR. */
+saltus_point_kind saltus_locus_join_halves(saltus_extended *extended, saltus_locus_point *here,
+                                           saltus_locus_point *at);
 /* Where the states of the two halves are this close (scaled), the equations no longer determine a curve of
  * folds. */
 static const double saltus_alike = 5e-4;

@@ -1,4 +1,5 @@
-/* Curves of special points in two parameters.
+/* Curves of special points in two parameters. Lack of memory on the way is noted in the orbits (solution.h);
+ * what is found then counts for nothing, as the step fails at its end.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus.h"
 
@@ -71,7 +72,7 @@ static saltus_status find_small(saltus_locus *l, const saltus_locus_start *start
     saltus_orbits *o = &l->x.orbits;
     int farthest = 0;
     saltus_status status = SALTUS_NO_CONVERGENCE;
-    for (int k = 0; k < 4 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++) {
+    for (int k = 0; k < 4 && status != SALTUS_OK; k++) {
         status = saltus_hopf_aside(o, start->parameter, start->state, start->sequence.anchor, apart[k],
                                    &start->sequence, &l->here.orbit, message);
         if (status == SALTUS_OK)
@@ -243,8 +244,8 @@ void saltus_locus_close(saltus_locus *l) {
 }
 
 /* Give out a point of the curve, `ahead` of `here`; nothing if the curve has ended. */
-static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_point_kind kind, double ahead,
-                          const char *reason, saltus_message *message) {
+static void give(saltus_locus *l, const saltus_locus_point *p, saltus_point_kind kind, double ahead,
+                 const char *reason) {
     const saltus_solution *s = &p->orbit;
     const saltus_family *family = &l->x.orbits.family;
     const saltus_branch_options *options = l->trail->options;
@@ -256,12 +257,12 @@ static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_p
     const double breach = saltus_corner_breach(&l->x, s);
     const bool grazes = l->x.kind == SALTUS_POINT_GR, grazing = grazes || fabs(breach) < 1e-8;
     int returns;
-    if (!l->trail->following)
-        return SALTUS_OK;
     saltus_branch_point point;
-    saltus_status status = saltus_point_make(&l->x.orbits, s, grazing, &point, &returns, message);
-    if (status != SALTUS_OK)
-        return status;
+    if (!l->trail->following)
+        return;
+    l->trail->following = saltus_point_make(&l->x.orbits, s, grazing, &point, &returns);
+    if (!l->trail->following)
+        return;
     point.locus = l->x.kind;
     point.value[1] = l->origin[1] + family->unit[1] * s->parameter[1];
     /* A point on a border of the range gets the exact value of the border. */
@@ -281,7 +282,7 @@ static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_p
         const saltus_breach touch = {.face = own->face, .time = own->time};
         saltus_point_mark_grazing(l->x.orbits.system, &touch, &point);
     }
-    return saltus_trail_give(l->trail, l->x.orbits.system, &point, &what, message);
+    saltus_trail_give(l->trail, l->x.orbits.system, &point, &what, &l->x.orbits.starved);
 }
 
 /* Whether the last step, from what is now `next` to `here`, has passed the first point in its direction. */
@@ -334,11 +335,10 @@ static bool come_back(saltus_locus *l, double leaving, bool stays, double ahead)
     const int m = l->here.at.unknowns;
     while (ahead > near) {
         saltus_curve_bend(&l->here.at, &l->next.at);
-        saltus_status status =
+        const saltus_status status =
             saltus_curve_visit(&l->x.equations, &l->next.at, -0.5 * ahead, &l->trial.at, NULL);
-        if (status == SALTUS_OK)
-            status = saltus_locus_see(&l->x, &l->trial, NULL);
-        if (saltus_orbits_noted(&l->x.orbits, status) != SALTUS_OK)
+        if (saltus_orbits_noted(&l->x.orbits, status) != SALTUS_OK ||
+            saltus_locus_see(&l->x, &l->trial, NULL) != SALTUS_OK)
             break;
         if (saltus_corner_breach(&l->x, &l->trial.orbit) >= 0)
             return false;
@@ -357,76 +357,69 @@ static bool come_back(saltus_locus *l, double leaving, bool stays, double ahead)
 
 /* Go a little on from `here`, a point of codimension two, where the signs of functions mean nothing. `turns`:
  * also try the other direction, if orbits are not admissible in this one; `leaves`: another curve of the same
- * kind crosses there. *found: whether such a point was found; if not, `why` says how the equations failed, if
- * they did. Errors: SALTUS_NO_MEMORY. */
-static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found, saltus_message *why,
-                           saltus_message *message) {
+ * kind crosses there. False if no such point was found; `why` then says how the equations failed, if they
+ * did. */
+static bool leave(saltus_locus *l, bool turns, bool leaves, saltus_message *why) {
     static const double shorter[] = {1, 0.2, 0.04, 0.01}, tolerances[] = {1e-12, 1e-11, 1e-10};
     const bool stays = begins_crossing(l) && l->x.mirrored;
     const bool branches = l->x.kind == SALTUS_POINT_BP && l->x.mirrored;
     const bool sharp = leaves || stays || branches;
     const double usual = l->x.equations.tolerance, farthest = 0.1;
     *why = (saltus_message){.text = ""};
-    saltus_status status = SALTUS_OK;
-    *found = false;
+    bool found = false;
     /* A run of impacts leaves little of what makes the halves unlike: the first step must be long enough to
      * show it. */
     const double rate = leaves ? saltus_locus_leaving(&l->x, &l->here) : 1;
     const double leaving = leaves ? fmax(1e-8, fmin(1e-3, 0.5 * rate)) : 0;
     const double longest = sharp ? fmin(fmax(1e-3, little / rate), farthest) : 1e-4;
     const int tries = 4 * (1 + turns), rounds = sharp ? 3 : 1;
-    for (int k = 0; k < rounds * tries && !*found && status != SALTUS_NO_MEMORY; k++) {
+    for (int k = 0; k < rounds * tries && !found; k++) {
         const double ahead = longest * shorter[k % tries / (1 + turns)];
         /* Where curves cross the equations are singular, and a residual moves a point near there by much; but
          * it cannot be less than rounding. */
         l->x.equations.tolerance = sharp ? tolerances[k / tries] : usual;
         if (k > 0 && turns)
             saltus_curve_turn(&l->here.at);
-        status = saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->next.at, why);
+        const saltus_status status =
+            saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->next.at, why);
         /* Folds of orbits that stay their own mirror images solve the equations of branch points, too. */
         const bool folds = branches && !saltus_extended_breaks(&l->x);
-        if (status == SALTUS_OK)
-            status = saltus_locus_see(&l->x, &l->next, why);
-        if (status != SALTUS_OK || folds)
-            continue;
-        *found = has_left(l, &l->next, leaving, stays, ahead) && come_back(l, leaving, stays, ahead);
+        found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
+                saltus_locus_see(&l->x, &l->next, why) == SALTUS_OK && !folds &&
+                has_left(l, &l->next, leaving, stays, ahead) && come_back(l, leaving, stays, ahead);
     }
     l->x.equations.tolerance = usual;
-    if (*found)
+    if (found)
         step_on(l);
-    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    return found;
 }
 
 /* Beyond `trial`, where a second impact grazes, the curve of the first goes on with the second impact born or
- * dead. `here` becomes an orbit of that sequence a little beyond, where it is admissible. *passed: whether
- * there is one; *closes is set if it leads to where the curve began. Errors: SALTUS_NO_MEMORY. */
-static saltus_status pass_grazing(saltus_locus *l, bool *passed, bool *closes, saltus_message *message) {
+ * dead. `here` becomes an orbit of that sequence a little beyond, where it is admissible. False if there is
+ * none; *closes is set if it leads to where the curve began. */
+static bool pass_grazing(saltus_locus *l, bool *closes) {
     int order[SALTUS_MARKS_MAX];
     saltus_sequence old = l->trial.orbit.sequence, fresh;
-    saltus_message why = {.text = ""};
+    saltus_message why;
     const saltus_breach *other = saltus_corner_touch(&l->x, &l->trial.orbit);
-    *passed = false;
     if (!other)
-        return SALTUS_OK;
+        return false;
     saltus_breach touch = *other;
     touch.value = 0;
     saltus_sequence_graze(&old, &touch, 1, &fresh, order);
-    saltus_status status = saltus_solution_place(&l->x.orbits, &fresh, l->trial.orbit.parameter,
-                                                 l->trial.orbit.state, false, &l->here.orbit, &why);
-    if (status == SALTUS_OK)
-        status = saltus_locus_install(&l->x, &l->here, &old, l->trial.at.tangent, 0, order, &why);
-    if (status == SALTUS_OK && l->trail->options->switches)
-        status = saltus_locus_starts_pass(&l->x, &l->here.orbit, false, l->starts, closes, &why);
-    if (status == SALTUS_OK)
-        status = leave(l, true, false, passed, &why, message);
-    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    if (saltus_solution_place(&l->x.orbits, &fresh, l->trial.orbit.parameter, l->trial.orbit.state, false,
+                              &l->here.orbit, NULL) != SALTUS_OK ||
+        saltus_locus_install(&l->x, &l->here, &old, l->trial.at.tangent, 0, order, NULL) != SALTUS_OK)
+        return false;
+    if (l->trail->options->switches)
+        *closes |= saltus_locus_starts_pass(&l->x, &l->here.orbit, false, l->starts);
+    return leave(l, true, false, &why);
 }
 
 /* Give out the first point and, at a point of codimension two, go a little on; `leaves` as for leave(). */
 static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message) {
     const int heading = heading_of(l, l->way);
     saltus_status status = SALTUS_OK;
-    bool found = true;
     if (l->way > 0) { /* return from where the first direction ended */
         l->x.mark = l->first_mark;
         status = saltus_shooting_shape(l->x.orbits.shooting, &l->first, message);
@@ -454,20 +447,21 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
     l->grazings = (saltus_grazings){.gap = 0};
     l->trail->step = 0.1 * l->trail->options->step;
     memcpy(l->first_way, plane_of(l, l->here.at.tangent), sizeof l->first_way);
-    status = give(l, &l->here, l->x.kind, 0, NULL, message);
+    give(l, &l->here, l->x.kind, 0, NULL);
     const bool resonance = l->begun_at == SALTUS_POINT_R1 || l->begun_at == SALTUS_POINT_R2;
     const bool aside = l->begun_at == SALTUS_POINT_GH || (resonance && l->x.kind == SALTUS_POINT_NS);
-    if (status != SALTUS_OK || !l->begun_at || aside || !l->trail->following)
-        return status;
+    if (!l->begun_at || aside || !l->trail->following)
+        return SALTUS_OK;
     saltus_message why;
     char reason[SALTUS_REASON_MAX];
-    status = leave(l, is_one_way(l), leaves, &found, &why, message);
+    const bool found = leave(l, is_one_way(l), leaves, &why);
     memcpy(l->first_way, plane_of(l, l->here.at.tangent), sizeof l->first_way);
-    if (status != SALTUS_OK || found)
-        return status;
+    if (found)
+        return SALTUS_OK;
     snprintf(reason, sizeof reason, "the curve does not go on this way with admissible orbits%s%.80s",
              why.text[0] ? ": " : "", why.text);
-    return give(l, &l->here, SALTUS_POINT_EP, 0, reason, message);
+    give(l, &l->here, SALTUS_POINT_EP, 0, reason);
+    return SALTUS_OK;
 }
 
 /* Begin another curve where it meets one that was followed. If that fails, one point says why. */
@@ -486,7 +480,8 @@ static saltus_status switch_to(saltus_locus *l, saltus_locus_start *start, saltu
     snprintf(reason, sizeof reason, "no curve of %s points can be begun at this %s: %.90s",
              saltus_point_word(start->kind), saltus_point_word(start->origin), why.text);
     const saltus_locus_point first = {.orbit = l->here.orbit, .at.tangent = l->here.orbit.at.tangent};
-    return give(l, &first, SALTUS_POINT_EP, 0, reason, message);
+    give(l, &first, SALTUS_POINT_EP, 0, reason);
+    return SALTUS_OK;
 }
 
 /* Why a curve ends at a point of codimension two; second row: where its orbits join shorter ones. */
@@ -520,29 +515,23 @@ static bool accumulate(saltus_grazings *g, const double place[2]) {
     return g->closer >= enough;
 }
 
-/* Give out `trial`, a point of codimension two. Starts that wait there for this curve are marked as done,
- * *closes as for saltus_locus_starts_pass, and starts of other curves are added. */
-static saltus_status give_named(saltus_locus *l, const saltus_locus_test *corner, double ahead, bool *closes,
-                                saltus_message *message) {
+/* Give out `trial`, a point of codimension two. Starts that wait there for this curve are marked as done, and
+ * starts of other curves are added. Whether the curve has come back to its begin. */
+static bool give_named(saltus_locus *l, const saltus_locus_test *corner, double ahead) {
     const saltus_trail *t = l->trail;
     const saltus_solution *at = &l->trial.orbit;
-    saltus_status status = give(l, &l->trial, corner->kind, ahead, NULL, message);
-    if (status != SALTUS_OK || !t->following || t->options->switches == 0)
-        return status;
-    status = saltus_locus_starts_pass(&l->x, at, corner->joins, l->starts, closes, message);
-    return status == SALTUS_OK && t->depth < t->options->switches
-               ? saltus_locus_starts_meet(&l->x, corner, at, t->number, t->depth + 1, l->starts, message)
-               : status;
+    give(l, &l->trial, corner->kind, ahead, NULL);
+    if (!t->following || t->options->switches == 0)
+        return false;
+    const bool closes = saltus_locus_starts_pass(&l->x, at, corner->joins, l->starts);
+    if (t->depth < t->options->switches)
+        saltus_locus_starts_meet(&l->x, corner, at, t->number, t->depth + 1, l->starts);
+    return closes;
 }
 
-/* Give out the corner at `trial`; there the curve ends, or goes on with other events: *moved. */
-static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, double ahead, bool *moved,
-                                 saltus_message *message) {
-    bool closes = false;
-    saltus_status status = saltus_corner_tell(&l->x, &corner, &l->trial.orbit, &corner.kind, message);
-    if (status != SALTUS_OK)
-        return status;
-    const saltus_point_kind kind = corner.kind;
+/* Give out the corner at `trial`; there the curve ends, or goes on. Whether it does with other events. */
+static bool give_corner(saltus_locus *l, saltus_locus_test corner, double ahead) {
+    const saltus_point_kind kind = corner.kind = saltus_corner_tell(&l->x, &corner, &l->trial.orbit);
     if (l->x.kind == SALTUS_POINT_NS && corner.ends && !corner.breach) {
         saltus_locus_sharpen(&l->x, &l->here, corner.theta, &l->trial, &l->next);
         saltus_halved_double(&l->x, kind, &l->trial);
@@ -550,36 +539,32 @@ static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, doub
          * gives the same orbits again. */
         memset(plane_of(l, l->trial.at.tangent), 0, 2 * sizeof(double));
     }
-    status = give_named(l, &corner, ahead, &closes, message);
-    if (status != SALTUS_OK || !l->trail->following)
-        return status;
-    if (kind == SALTUS_POINT_GR_GR && accumulate(&l->grazings, plane_of(l, l->trial.at.u)))
-        return give(l, &l->trial, SALTUS_POINT_EP, ahead,
-                    "grazings follow one another ever more closely, towards complete chatter", message);
-    if (kind == SALTUS_POINT_GR_GR)
-        status = pass_grazing(l, moved, &closes, message);
-    if (status == SALTUS_OK && closes && l->begun_at && l->x.kind == SALTUS_POINT_GR)
-        return give(l, &l->trial, SALTUS_POINT_EP, ahead, is_back, message);
-    if (*moved)
+    bool closes = give_named(l, &corner, ahead);
+    if (!l->trail->following)
+        return false;
+    const bool crowded = kind == SALTUS_POINT_GR_GR && accumulate(&l->grazings, plane_of(l, l->trial.at.u));
+    const bool moved = kind == SALTUS_POINT_GR_GR && !crowded && pass_grazing(l, &closes);
+    const char *ends = crowded ? "grazings follow one another ever more closely, towards complete chatter"
+                       : closes && l->begun_at && l->x.kind == SALTUS_POINT_GR ? is_back
+                       : corner.ends && !moved                                 ? corner_reasons[0][kind]
+                                                                               : NULL;
+    if (ends)
+        give(l, &l->trial, SALTUS_POINT_EP, ahead, ends);
+    else if (moved)
         l->trail->arclength += ahead;
-    if (status == SALTUS_OK && corner.ends && !*moved)
-        status = give(l, &l->trial, SALTUS_POINT_EP, ahead, corner_reasons[0][kind], message);
-    return status;
+    return moved;
 }
 
 /* End the curve at `trial`, where its orbits join shorter ones. */
-static saltus_status give_join(saltus_locus *l, saltus_point_kind kind, saltus_message *message) {
+static void give_join(saltus_locus *l, saltus_point_kind kind) {
     const saltus_locus_test corner = {.kind = kind, .joins = kind != SALTUS_POINT_GH};
     const double ahead = l->trial.at.ahead;
-    const char *reason = corner_reasons[1][kind];
-    bool closes = false;
     int parts = 2;
     if (l->x.kind == SALTUS_POINT_GR)
         saltus_locus_apart(&l->x, &l->trial.orbit, &parts);
-    if (parts > 2)
-        reason = "its orbits join those of a part of the period, which graze";
-    saltus_status status = give_named(l, &corner, ahead, &closes, message);
-    return status == SALTUS_OK ? give(l, &l->trial, SALTUS_POINT_EP, ahead, reason, message) : status;
+    give_named(l, &corner, ahead);
+    give(l, &l->trial, SALTUS_POINT_EP, ahead,
+         parts > 2 ? "its orbits join those of a part of the period, which graze" : corner_reasons[1][kind]);
 }
 
 static const char *why_it_ends(const saltus_solution *at) {
@@ -589,68 +574,63 @@ static const char *why_it_ends(const saltus_solution *at) {
 }
 
 /* End the curve, which does not go on, at `here` or at the special point just ahead. */
-static saltus_status give_end(saltus_locus *l, saltus_message *message) {
-    bool ends, moved = false;
-    saltus_point_kind kind = SALTUS_POINT_REGULAR;
-    saltus_status status = saltus_locus_end_contact(&l->x, &l->here, &l->trial, &ends, message);
-    if (status == SALTUS_OK && !ends)
-        status = saltus_locus_join(&l->x, &l->here, &l->trial, &kind, message);
-    if (status == SALTUS_OK && !ends && !kind)
-        status = saltus_locus_fade(&l->x, &l->here, &l->trial, &ends, message);
-    if (status != SALTUS_OK)
-        return status;
+static void give_end(saltus_locus *l) {
+    bool ends = saltus_locus_end_contact(&l->x, &l->here, &l->trial);
+    const saltus_point_kind kind =
+        ends ? SALTUS_POINT_REGULAR : saltus_locus_join(&l->x, &l->here, &l->trial);
+    ends = ends || (!kind && saltus_locus_fade(&l->x, &l->here, &l->trial));
     if (kind)
-        return give_join(l, kind, message);
-    return ends ? give_corner(l, l->here.corners[0], l->trial.at.ahead, &moved, message)
-                : give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit), message);
+        give_join(l, kind);
+    else if (ends)
+        give_corner(l, l->here.corners[0], l->trial.at.ahead);
+    else
+        give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit));
 }
 
 /* If the step from `here` passes a place where the orbits become those of half the period, or comes so near
- * that the equations say little, end the curve there; or let it go on with a step that is *shorter. */
-static saltus_status meet_halves(saltus_locus *l, bool *shorter, saltus_message *message) {
+ * that the equations say little, end the curve there; or let it go on with a step that is shorter: true. */
+static bool meet_halves(saltus_locus *l) {
     double step;
-    saltus_point_kind kind;
-    *shorter = false;
     if (!saltus_locus_halves_ahead(&l->x, &l->here, &l->next, &step))
-        return SALTUS_OK;
-    saltus_status status = saltus_locus_join_halves(&l->x, &l->here, &l->trial, &kind, message);
-    if (status == SALTUS_OK && kind)
-        return give_join(l, kind, message);
-    if (status != SALTUS_OK || step == 0)
-        return status;
+        return false;
+    const saltus_point_kind kind = saltus_locus_join_halves(&l->x, &l->here, &l->trial);
     /* Beyond that place there are no orbits of twice the period. */
-    *shorter = step > stride_min && (l->x.kind == SALTUS_POINT_NS ||
-                                     saltus_locus_apart(&l->x, &l->here.orbit, NULL) > saltus_alike);
-    if (!*shorter)
-        return give_end(l, message);
-    l->trail->step = step;
-    return SALTUS_OK;
+    const bool shorter =
+        !kind && step > stride_min &&
+        (l->x.kind == SALTUS_POINT_NS || saltus_locus_apart(&l->x, &l->here.orbit, NULL) > saltus_alike);
+    if (kind)
+        give_join(l, kind);
+    else if (shorter)
+        l->trail->step = step;
+    else if (step != 0)
+        give_end(l);
+    return shorter;
 }
 
 static bool onward_at(void *context, double ahead, double *value) {
     saltus_locus *l = context;
-    saltus_status status = saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->trial.at, NULL);
-    if (status == SALTUS_OK)
-        status = saltus_locus_see_orbit(&l->x, &l->trial, NULL);
+    const saltus_status status = saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->trial.at, NULL);
+    const bool found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
+                       saltus_locus_see_orbit(&l->x, &l->trial, NULL) == SALTUS_OK;
     *value = l->trial.orbit.onward;
-    return saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK;
+    return found;
 }
 
 /* Whether cycles that fold shrink to an equilibrium on the step from `here`, and their curve ends in a
  * generalised Hopf point: beyond, the same cycles come again, half a period later. There the flow's speed is
  * nothing and the equations are singular; but the curve goes through. */
-static saltus_status meet_rest(saltus_locus *l, saltus_message *message) {
+static void meet_rest(saltus_locus *l) {
     enum { passes = 4 };
     const double before = l->here.orbit.onward, after = l->next.orbit.onward, sharp = 1e-7;
     const size_t m = (size_t)l->here.at.unknowns;
     if (l->x.kind != SALTUS_POINT_LP || !(l->here.orbit.sequence.omega > 0) || !(before * after < 0))
-        return SALTUS_OK;
+        return;
     double *work = calloc(8 * m, sizeof *work), *best = work ? work + 7 * m : NULL, least = sharp;
     double apart = 0.02, middle = l->next.at.ahead * before / (before - after);
     const double usual = l->x.equations.tolerance;
-    saltus_status status = work ? SALTUS_OK : saltus_branch_no_memory(message);
+    l->x.orbits.starved |= !work;
     l->x.equations.tolerance = 1e-11;
-    for (int k = 0; k < passes && status == SALTUS_OK; k++, apart *= 0.5) {
+    for (int k = 0; k < passes && work; k++, apart *= 0.5) {
         double place, spread;
         if (!saltus_curve_cross(onward_at, l, &l->here.at, &l->trial.at, middle, apart, true, work, &place,
                                 &spread) ||
@@ -661,64 +641,53 @@ static saltus_status meet_rest(saltus_locus *l, saltus_message *message) {
         memcpy(best, work, m * sizeof *best);
     }
     l->x.equations.tolerance = usual;
-    if (status == SALTUS_OK && least < sharp) {
+    if (least < sharp) {
         memcpy(l->trial.at.u, best, m * sizeof *best);
-        status = saltus_locus_see_orbit(&l->x, &l->trial, message);
         l->trial.at.ahead = middle;
         l->trial.doubt = least;
-        if (status == SALTUS_OK)
-            status = give_join(l, SALTUS_POINT_GH, message);
+        if (saltus_locus_see_orbit(&l->x, &l->trial, NULL) == SALTUS_OK)
+            give_join(l, SALTUS_POINT_GH);
     }
     free(work);
-    return status;
 }
 
 /* A step onto a sound orbit, halved until there is one, and with the corners on it. *reached as
  * saltus_curve_step has it. The curve may end instead. */
-static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed,
-                               saltus_message *message) {
+static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed) {
     const int c = l->x.orbits.equations->count;
     const saltus_curve_bound bounds[2] = {{c, l->border[0][0], l->border[0][1]},
                                           {c + 1, l->border[1][0], l->border[1][1]}};
-    saltus_message why = {.text = ""};
     if (saltus_halved_resonates(&l->x, &l->here, &l->trial))
-        return give_join(l, SALTUS_POINT_GR_GR, message);
-    for (;;) {
-        bool found = false, shorter;
+        give_join(l, SALTUS_POINT_GR_GR);
+    for (bool located = false; !located && l->trail->following;) {
+        bool found = false;
         for (; !found && l->trail->step > stride_min; l->trail->step *= found ? 1 : 0.5) {
-            saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step, bounds, 2,
-                                                     &l->next.at, reached, &why);
-            if (status == SALTUS_OK)
-                status = saltus_locus_see(&l->x, &l->next, &why);
-            if (status == SALTUS_NO_MEMORY)
-                return saltus_branch_no_memory(message);
-            found = status == SALTUS_OK && is_near(l, &l->next) &&
+            const saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step,
+                                                           bounds, 2, &l->next.at, reached, NULL);
+            found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
+                    saltus_locus_see(&l->x, &l->next, NULL) == SALTUS_OK && is_near(l, &l->next) &&
                     !saltus_curve_strays(&l->here.at, &l->next.at) &&
                     !saltus_locus_leaps(&l->here, &l->next) &&
                     saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
-        if (!found)
-            return give_end(l, message);
+        if (!found) {
+            give_end(l);
+            return;
+        }
         saltus_extended_renew(&l->x, l->next.at.u);
-        saltus_status status = meet_rest(l, message);
-        if (status == SALTUS_OK && l->trail->following)
-            status = meet_halves(l, &shorter, message);
-        if (status != SALTUS_OK || !l->trail->following)
-            return status;
-        if (shorter)
+        meet_rest(l);
+        if (!l->trail->following || meet_halves(l) || !l->trail->following)
             continue;
         l->x.sharp = true;
-        const bool located = saltus_locus_find_corners(&l->x, &l->here, &l->next, &l->trial, crossed);
+        located = saltus_locus_find_corners(&l->x, &l->here, &l->next, &l->trial, crossed);
         l->x.sharp = false;
-        if (located)
-            return SALTUS_OK;
-        l->trail->step = 0.5 * l->next.at.ahead;
+        if (!located)
+            l->trail->step = 0.5 * l->next.at.ahead;
     }
 }
 
-/* Give out the corner at a zero on the step, if it is one; *moved as for give_corner(). */
-static saltus_status pass_corner(saltus_locus *l, const struct saltus_locus_zero *zero, bool *moved,
-                                 saltus_message *message) {
+/* Give out the corner at a zero on the step, if it is one; returns what give_corner() does. */
+static bool pass_corner(saltus_locus *l, const struct saltus_locus_zero *zero) {
     const int own = zero->corner;
     const double just_before = 1e-7;
     saltus_solution before = {.value = 0};
@@ -746,22 +715,22 @@ static saltus_status pass_corner(saltus_locus *l, const struct saltus_locus_zero
     const saltus_point_kind joint =
         found && corner.breach ? saltus_locus_join_near(&l->x, &l->trial) : SALTUS_POINT_REGULAR;
     if (joint)
-        return give_join(l, joint, message);
-    return !found || real || simple || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach)
-               ? SALTUS_OK
-               : give_corner(l, corner, zero->place, moved, message);
+        give_join(l, joint);
+    return found && !joint && !real && !simple &&
+           !saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach) &&
+           give_corner(l, corner, zero->place);
 }
 
 /* One step along the current curve, with the corners on it. */
-static saltus_status advance(saltus_locus *l, saltus_message *message) {
+static void advance(saltus_locus *l) {
     int reached;
     bool moved = false;
     saltus_locus_zeros crossed;
-    saltus_status status = take_step(l, &reached, &crossed, message);
-    for (int k = 0; status == SALTUS_OK && l->trail->following && !moved && k < crossed.count; k++)
-        status = pass_corner(l, &crossed.zero[k], &moved, message);
-    if (status != SALTUS_OK || !l->trail->following || moved)
-        return status;
+    take_step(l, &reached, &crossed);
+    for (int k = 0; l->trail->following && !moved && k < crossed.count; k++)
+        moved = pass_corner(l, &crossed.zero[k]);
+    if (!l->trail->following || moved)
+        return;
     step_on(l);
     const bool closed = is_closed(l);
     const double *way = plane_of(l, l->here.at.tangent);
@@ -769,13 +738,9 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
         saltus_curve_next_step(l->trail->step, l->here.at.iterations,
                                l->trail->options->step_max / fmax(hypot(way[0], way[1]), slowest));
     const char *reason = closed ? is_back : reached >= 0 ? "end of the parameters' range" : NULL;
-    status = give(l, &l->here, reason ? SALTUS_POINT_EP : l->x.kind, 0, reason, message);
-    if (status != SALTUS_OK || !l->trail->following)
-        return status;
-    status = saltus_locus_reframe(&l->x, &l->here, &l->next, message);
-    return status == SALTUS_OK || status == SALTUS_NO_MEMORY
-               ? status
-               : give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit), message);
+    give(l, &l->here, reason ? SALTUS_POINT_EP : l->x.kind, 0, reason);
+    if (l->trail->following && saltus_locus_reframe(&l->x, &l->here, &l->next, NULL) != SALTUS_OK)
+        give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit));
 }
 
 saltus_status saltus_locus_step(saltus_locus *l, bool *more, saltus_message *message) {
@@ -785,7 +750,7 @@ saltus_status saltus_locus_step(saltus_locus *l, bool *more, saltus_message *mes
     if (l->trail->following) {
         const double usual = l->x.equations.tolerance;
         l->x.equations.tolerance = saltus_locus_sharpness(&l->x, &l->here, usual);
-        status = advance(l, message);
+        advance(l);
         l->x.equations.tolerance = usual;
     } else if (l->way < l->way_count)
         status = begin(l, begins_crossing(l) && !l->x.mirrored, message);

@@ -18,7 +18,7 @@ saltus_status saltus_locus_see_orbit(saltus_extended *x, saltus_locus_point *p, 
     saltus_curve_point *at = &p->orbit.at;
     size_t m = (size_t)o->equations->unknowns;
     if (!saltus_curve_reserve(at, (int)m))
-        return saltus_branch_no_memory(message);
+        return saltus_orbits_noted(o, saltus_branch_no_memory(message));
     memcpy(at->u, p->at.u, m * sizeof *at->u);
     memcpy(at->tangent, p->at.tangent, m * sizeof *at->u);
     at->iterations = p->at.iterations;
@@ -27,7 +27,7 @@ saltus_status saltus_locus_see_orbit(saltus_extended *x, saltus_locus_point *p, 
         status = saltus_solution_see(o, &p->orbit, message);
     if (status == SALTUS_OK)
         status = saltus_solution_survey(o, &p->orbit, message);
-    return status;
+    return saltus_orbits_noted(o, status);
 }
 
 saltus_status saltus_locus_see(saltus_extended *x, saltus_locus_point *p, saltus_message *message) {
@@ -36,7 +36,7 @@ saltus_status saltus_locus_see(saltus_extended *x, saltus_locus_point *p, saltus
         return status;
     p->corner_count = saltus_corner_measure(x, &p->at, &p->orbit, p->corners);
     p->before_place = 0;
-    return p->corner_count < 0 ? saltus_branch_no_memory(message) : SALTUS_OK;
+    return SALTUS_OK;
 }
 
 saltus_status saltus_locus_take_up(saltus_extended *x, saltus_locus_point *here, const double *u,
@@ -47,14 +47,15 @@ saltus_status saltus_locus_take_up(saltus_extended *x, saltus_locus_point *here,
     if (status == SALTUS_OK && !saltus_curve_reserve(&here->at, x->equations.unknowns))
         status = saltus_branch_no_memory(message);
     if (status != SALTUS_OK)
-        return status;
+        return saltus_orbits_noted(&x->orbits, status);
     memcpy(here->at.u, u, bytes);
     memcpy(x->anchor, u, bytes);
     if (x->extra)
         here->at.u[orbit->unknowns] = extra;
     status = saltus_equations_evaluate(orbit, here->at.u, message);
-    return status == SALTUS_OK && x->kind != SALTUS_POINT_GR ? saltus_extended_choose(x, extra, message)
-                                                             : status;
+    if (status == SALTUS_OK && x->kind != SALTUS_POINT_GR)
+        status = saltus_extended_choose(x, extra, message);
+    return saltus_orbits_noted(&x->orbits, status);
 }
 
 saltus_status saltus_locus_find_first(saltus_extended *x, saltus_locus_point *here, int k,
@@ -62,24 +63,26 @@ saltus_status saltus_locus_find_first(saltus_extended *x, saltus_locus_point *he
     const size_t m = (size_t)x->equations.unknowns;
     double *normal = calloc(2 * m, sizeof *normal);
     if (!normal)
-        return saltus_branch_no_memory(message);
+        return saltus_orbits_noted(&x->orbits, saltus_branch_no_memory(message));
     normal[k] = 1;
     const double *anchor = memcpy(normal + m, here->at.u, m * sizeof *normal);
     saltus_status status =
         saltus_newton(&x->equations, here->at.u, normal, anchor, true, &here->at.iterations, message);
     free(normal);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_extended_renew(x, here->at.u);
-    status = saltus_equations_evaluate(&x->equations, here->at.u, message);
-    return status == SALTUS_OK ? saltus_curve_orient(&x->equations, NULL, &here->at, message) : status;
+    if (status == SALTUS_OK) {
+        saltus_extended_renew(x, here->at.u);
+        status = saltus_equations_evaluate(&x->equations, here->at.u, message);
+    }
+    if (status == SALTUS_OK)
+        status = saltus_curve_orient(&x->equations, NULL, &here->at, message);
+    return saltus_orbits_noted(&x->orbits, status);
 }
 
 saltus_status saltus_locus_find_again(saltus_extended *x, saltus_locus_point *here, const double *u,
                                       double extra, saltus_message *message) {
     const int c = x->orbits.equations->count;
     saltus_status status = SALTUS_NO_CONVERGENCE;
-    for (int k = 1; k >= 0 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k--) {
+    for (int k = 1; k >= 0 && status != SALTUS_OK; k--) {
         status = saltus_locus_take_up(x, here, u, extra, message);
         if (status == SALTUS_OK)
             status = saltus_locus_find_first(x, here, c + k, message);
@@ -94,7 +97,7 @@ saltus_status saltus_locus_find_near(saltus_extended *x, saltus_locus_point *her
     saltus_status status = SALTUS_NO_CONVERGENCE;
     if (x->kind != SALTUS_POINT_NS || (theta != 0 && theta != M_PI))
         return saltus_locus_find_again(x, here, here->orbit.at.u, theta, message);
-    for (int k = 0; k < 4 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++) {
+    for (int k = 0; k < 4 && status != SALTUS_OK; k++) {
         status = saltus_locus_take_up(x, here, here->orbit.at.u, fabs(theta - aside[k]), message);
         if (status == SALTUS_OK)
             status = saltus_locus_find_first(x, here, c + 2, message);
@@ -161,7 +164,7 @@ saltus_status saltus_locus_install(saltus_extended *x, saltus_locus_point *here,
     const int m = x->orbits.equations->unknowns, n = x->orbits.n, mark = x->mark;
     double *guide = calloc((size_t)(m + x->extra), sizeof *guide);
     if (!guide)
-        return saltus_branch_no_memory(message);
+        return saltus_orbits_noted(&x->orbits, saltus_branch_no_memory(message));
     saltus_sequence_carry(old, tangent, fresh, order, n, 2, guide);
     if (x->extra)
         guide[m] = tangent[saltus_sequence_unknowns(old, n) + 2];
@@ -176,7 +179,7 @@ saltus_status saltus_locus_install(saltus_extended *x, saltus_locus_point *here,
         status = saltus_curve_orient(&x->equations, guide, &here->at, message);
     free(guide);
     /* The determinants have changed. */
-    return status == SALTUS_OK ? saltus_locus_see(x, here, message) : status;
+    return saltus_orbits_noted(&x->orbits, status) == SALTUS_OK ? saltus_locus_see(x, here, message) : status;
 }
 
 bool saltus_locus_grows(const saltus_extended *x, const saltus_solution *s) {
@@ -193,14 +196,8 @@ saltus_status saltus_locus_reframe(saltus_extended *x, saltus_locus_point *here,
         !(saltus_locus_grows(x, &here->orbit) &&
           saltus_solution_refine(&x->orbits, &here->orbit, &scratch->orbit, order)))
         return SALTUS_OK;
-    double *tangent = calloc((size_t)unknowns, sizeof *tangent);
-    if (!tangent)
-        return saltus_branch_no_memory(message);
-    memcpy(tangent, here->at.tangent, (size_t)unknowns * sizeof *tangent);
-    saltus_status status =
-        saltus_locus_install(x, here, &old, tangent, x->extra ? here->at.u[unknowns - 1] : 0, order, message);
-    free(tangent);
-    return status;
+    return saltus_locus_install(x, here, &old, here->at.tangent, x->extra ? here->at.u[unknowns - 1] : 0,
+                                order, message);
 }
 
 double saltus_locus_doubt(saltus_curve_function *function, void *context, double place,
@@ -262,9 +259,7 @@ bool saltus_locus_joins_at(saltus_extended *x, const saltus_locus_point *here, c
 bool saltus_locus_has_pair(saltus_extended *x, double theta) {
     const double near = 1e-2;
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
-    const int n = saltus_corner_multipliers(x->orbits.shooting, x->orbits.n, re, im);
-    if (n < 0)
-        x->orbits.starved = true;
+    const int n = saltus_corner_multipliers(&x->orbits, x->orbits.shooting, re, im);
     /* Where the pair meets, an error moves both apart by its root, but their sum and product only by itself.
      */
     for (int i = 0; i < n; i++)
@@ -343,12 +338,13 @@ saltus_status saltus_locus_reach(saltus_extended *x, const saltus_curve_point *f
         status = saltus_curve_visit(&x->equations, from, ahead, to, message);
     }
     x->equations.tolerance = usual;
-    return status;
+    return saltus_orbits_noted(&x->orbits, status);
 }
 
 bool saltus_locus_visit(saltus_extended *x, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out) {
-    return saltus_curve_visit(&x->equations, &here->at, ahead, &out->at, NULL) == SALTUS_OK &&
+    const saltus_status status = saltus_curve_visit(&x->equations, &here->at, ahead, &out->at, NULL);
+    return saltus_orbits_noted(&x->orbits, status) == SALTUS_OK &&
            !saltus_curve_strays(&here->at, &out->at) && saltus_locus_see(x, out, NULL) == SALTUS_OK;
 }
 
@@ -359,13 +355,13 @@ void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, do
     int m = here->at.unknowns;
     double square[samples], *u = calloc((size_t)(m * samples), sizeof *u);
     bool found = u;
-    if (!u)
-        x->orbits.starved = true;
+    x->orbits.starved |= !u;
     for (int k = 0; k < samples && found; k++) {
         double aside = apart * (k + 1);
         square[k] = aside * aside;
-        found = saltus_curve_meet(&x->equations, &here->at, m - 1, theta > 1 ? theta - aside : aside,
-                                  &scratch->at, NULL) == SALTUS_OK;
+        const saltus_status status = saltus_curve_meet(&x->equations, &here->at, m - 1,
+                                                       theta > 1 ? theta - aside : aside, &scratch->at, NULL);
+        found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK;
         for (int j = 0; j < m && found; j++)
             u[j * samples + k] = scratch->at.u[j];
     }
@@ -388,26 +384,24 @@ static bool has_contact(const saltus_solution *s, double length) {
     return false;
 }
 
-saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_point *here,
-                                       saltus_locus_point *at, bool *found, saltus_message *message) {
+bool saltus_locus_end_contact(saltus_extended *x, const saltus_locus_point *here, saltus_locus_point *at) {
     enum { halvings = 40 };
     const double reach = 1e-3, nothing = 1e-4, sharp = 1e-11, usual = x->equations.tolerance;
-    saltus_locus_test contact = {.kind = SALTUS_POINT_GR_GR, .breach = true};
+    const saltus_locus_test contact = {.kind = SALTUS_POINT_GR_GR, .breach = true};
     saltus_curve_point last = {.unknowns = 0};
     double place = 0, step = reach;
-    *found = false;
     if (!has_contact(&here->orbit, INFINITY))
-        return SALTUS_OK;
-    saltus_status status = saltus_curve_copy(&here->at, &last) ? SALTUS_OK : SALTUS_NO_MEMORY;
+        return false;
+    saltus_status status = SALTUS_OK;
+    bool room = saltus_curve_copy(&here->at, &last);
     /* A residual speed at grazing moves the place by as much. */
     x->equations.tolerance = fmin(usual, sharp);
-    for (int k = 0; k < halvings && status != SALTUS_NO_MEMORY;) {
+    for (int k = 0; k < halvings && room;) {
         status = saltus_curve_visit(&x->equations, &last, step, &at->at, NULL);
-        if (status == SALTUS_OK)
+        if (saltus_orbits_noted(&x->orbits, status) == SALTUS_OK)
             status = saltus_locus_see_orbit(x, at, NULL);
         const bool sound = status == SALTUS_OK && saltus_corner_breach(x, &at->orbit) <= 0;
-        if (sound && !saltus_curve_copy(&at->at, &last))
-            status = SALTUS_NO_MEMORY;
+        room = !sound || saltus_curve_copy(&at->at, &last);
         place += sound ? step : 0;
         /* Predicted from afar, an orbit that exists may not be found. */
         if (!sound || place + step > reach) {
@@ -415,18 +409,16 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
             k++;
         }
     }
-    if (status != SALTUS_NO_MEMORY)
-        status = saltus_curve_copy(&last, &at->at) ? saltus_locus_see_orbit(x, at, NULL) : SALTUS_NO_MEMORY;
+    room = room && saltus_curve_copy(&last, &at->at);
+    x->orbits.starved |= !room;
+    bool found = room && saltus_locus_see_orbit(x, at, NULL) == SALTUS_OK;
     x->equations.tolerance = usual;
     at->doubt = 2 * step;
     at->at.ahead = place;
     saltus_curve_clear(&last);
-    if (status == SALTUS_NO_MEMORY)
-        return saltus_branch_no_memory(message);
-    if (status == SALTUS_OK && saltus_corner_breach(x, &at->orbit) > -nothing)
-        status = saltus_corner_tell(x, &contact, &at->orbit, &contact.kind, message);
-    *found = contact.kind == SALTUS_POINT_CH_GR || contact.kind == SALTUS_POINT_CH;
-    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
+    found = found && saltus_corner_breach(x, &at->orbit) > -nothing;
+    const saltus_point_kind kind = found ? saltus_corner_tell(x, &contact, &at->orbit) : SALTUS_POINT_REGULAR;
+    return kind == SALTUS_POINT_CH_GR || kind == SALTUS_POINT_CH;
 }
 
 bool saltus_locus_ceases_to_complete(const saltus_solution *s) {

@@ -1,4 +1,5 @@
-/* Private: points of a locus, and the ends of its curves. Corners between two points: locus_corners.h.
+/* Private: points of a locus, and the ends of its curves. Corners between two points: locus_corners.h. Lack
+ * of memory is noted in the orbits, whatever else a function says of it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_LOCUS_POINT_H
 #define SALTUS_BRANCH_LOCUS_POINT_H
@@ -103,9 +104,9 @@ void saltus_locus_sharpen(saltus_extended *extended, const saltus_locus_point *h
                           saltus_locus_point *at, saltus_locus_point *scratch);
 /* Where a contact that completes chatter shrinks to nothing, the equations and the curve end. Its length goes
  * as a power of the arclength, so the place is approached. `at` becomes the last orbit with complete chatter.
- * *found: whether the curve ends in this way just ahead of `here`. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_locus_end_contact(saltus_extended *extended, const saltus_locus_point *here,
-                                       saltus_locus_point *at, bool *found, saltus_message *message);
+ * False if the curve does not end in this way just ahead of `here`. */
+bool saltus_locus_end_contact(saltus_extended *extended, const saltus_locus_point *here,
+                              saltus_locus_point *at);
 /* Whether a contact after complete chatter has almost shrunk to nothing. */
 bool saltus_locus_ceases_to_complete(const saltus_solution *orbit);
 

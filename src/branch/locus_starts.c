@@ -47,19 +47,19 @@ static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b, do
     return fabs(remainder(one->time - other->time - apart, 1)) < near_time;
 }
 
-saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, const saltus_locus_start *start,
-                                      double image, saltus_message *message) {
+void saltus_locus_starts_add(saltus_locus_starts *starts, const saltus_locus_start *start, double image,
+                             bool *starved) {
     for (int k = 0; k < starts->count; k++)
         if (are_one(&starts->start[k], start, image)) {
             starts->start[k].done |= start->done;
-            return SALTUS_OK;
+            return;
         }
     saltus_locus_start *grown = realloc(starts->start, ((size_t)starts->count + 1) * sizeof *grown);
+    *starved |= !grown;
     if (!grown)
-        return saltus_branch_no_memory(message);
+        return;
     starts->start = grown;
     grown[starts->count++] = *start;
-    return SALTUS_OK;
 }
 
 /* How many forcing periods a mirror image of an orbit is later than it; NAN: the scene has none. */
@@ -68,16 +68,17 @@ static double image_shift(const saltus_extended *x) {
     return !system->mirror ? NAN : system->mirror_shift ? 0.5 : 0;
 }
 
-saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at, bool joins,
-                                       saltus_locus_starts *starts, bool *closes, saltus_message *message) {
+bool saltus_locus_starts_pass(saltus_extended *x, const saltus_solution *at, bool joins,
+                              saltus_locus_starts *starts) {
     saltus_locus_start own = {
         .kind = x->kind, .sequence = at->sequence, .mark = x->mark, .leaves = joins, .done = true};
     memcpy(own.state, at->state, sizeof own.state);
     memcpy(own.parameter, at->parameter, sizeof own.parameter);
     const double image = image_shift(x);
-    for (int k = 0; k < starts->count; k++)
-        *closes |= k == starts->next - 1 && are_one(&starts->start[k], &own, image);
-    return saltus_locus_starts_add(starts, &own, image, message);
+    const int last = starts->next - 1;
+    const bool closes = last >= 0 && last < starts->count && are_one(&starts->start[last], &own, image);
+    saltus_locus_starts_add(starts, &own, image, &x->orbits.starved);
+    return closes;
 }
 
 /* A touch moved into the first `periods` periods of an orbit. */
@@ -98,7 +99,7 @@ int saltus_locus_starts_grazing(saltus_orbits *o, const saltus_solution *at, con
     saltus_breach *touches = calloc((size_t)at->breach_count + 1, sizeof *touches);
     if (!touches || !saltus_lap_reserve(&lap, periods, o->n)) {
         free(touches);
-        saltus_orbits_noted(o, SALTUS_NO_MEMORY);
+        o->starved = true;
         return -1;
     }
     /* The least number of periods after which the orbit closes; that of its sequence if it cannot be told. */
@@ -309,9 +310,8 @@ static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const 
     return special[corner->kind] ? special_curves(x, corner, special[corner->kind], at, starts) : 0;
 }
 
-saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_test *corner,
-                                       const saltus_solution *at, int parent, int depth,
-                                       saltus_locus_starts *starts, saltus_message *message) {
+void saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_test *corner, const saltus_solution *at,
+                              int parent, int depth, saltus_locus_starts *starts) {
     saltus_locus_start fresh[4] = {{0}};
     int count = curves_at(x, corner, at, fresh);
     /* At an orbit of a family only its grazing is a curve, and what branches off belongs to a family if
@@ -319,8 +319,7 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
     bool doubled = false;
     const bool family = count > 0 && corner->kind != SALTUS_POINT_R1 && corner->kind != SALTUS_POINT_R2 &&
                         saltus_change_in_family(&x->orbits, at, &doubled);
-    saltus_status status = SALTUS_OK;
-    for (int k = 0; k < count && status == SALTUS_OK; k++) {
+    for (int k = 0; k < count; k++) {
         if (fresh[k].leaves ? doubled : family && fresh[k].kind != SALTUS_POINT_GR)
             continue;
         fresh[k].origin = corner->kind;
@@ -329,9 +328,8 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
         fresh[k].sequence.cuts = 1;
         memcpy(fresh[k].parameter, at->parameter, sizeof at->parameter);
         memcpy(fresh[k].state, at->state, sizeof at->state);
-        status = saltus_locus_starts_add(starts, &fresh[k], image_shift(x), message);
+        saltus_locus_starts_add(starts, &fresh[k], image_shift(x), &x->orbits.starved);
     }
-    return status;
 }
 
 bool saltus_locus_starts_wait(saltus_locus_starts *starts, bool of_rests) {

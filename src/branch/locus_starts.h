@@ -37,22 +37,21 @@ typedef struct saltus_locus_starts {
 void saltus_locus_starts_clear(saltus_locus_starts *starts);
 /* Keep a copy; or, if there is such a start already, note that it is done if this one is. In a scene that is
  * its own mirror image the curves of orbits and of their images, `image` forcing periods later, are one;
- * otherwise it is NAN. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, const saltus_locus_start *start,
-                                      double image, saltus_message *message);
+ * otherwise it is NAN. *starved is set without memory. */
+void saltus_locus_starts_add(saltus_locus_starts *starts, const saltus_locus_start *start, double image,
+                             bool *starved);
 /* The curve of kind x->kind has come to a point of codimension two, the orbit `at`, where it joins orbits of
  * half the period, or such that are their own mirror images, if `joins`: a start that waits there for this
- * very curve is done, and it is noted that the curve has been here. *closes is set where that start
- * is the one that was taken last: the curve has come back to its begin. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at, bool joins,
-                                       saltus_locus_starts *starts, bool *closes, saltus_message *message);
+ * very curve is done, and it is noted that the curve has been here. True where that start is the one that was
+ * taken last: the curve has come back to its begin. Lack of memory is noted in the orbits, here and below. */
+bool saltus_locus_starts_pass(saltus_extended *x, const saltus_solution *at, bool joins,
+                              saltus_locus_starts *starts);
 /* Add the other curves that meet the present one at the orbit `at`, a point of codimension two, unless they
  * have been there; `parent` and `depth` are theirs. At a cusp both folds are one curve, and at R3 and R4 no
  * curve of these kinds begins; nor do those of folds, flips and what branches off at an orbit of a family
- * (change.h). Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_test *corner,
-                                       const saltus_solution *at, int parent, int depth,
-                                       saltus_locus_starts *starts, saltus_message *message);
+ * (change.h). */
+void saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_test *corner, const saltus_solution *at,
+                              int parent, int depth, saltus_locus_starts *starts);
 
 /* The sequence of an orbit `with` all impacts that graze at it; returns the mark of `touch` in it, -1 if not
  * found. An orbit may close after fewer periods than its sequence has, for example if its only impact has

@@ -195,8 +195,8 @@ static void from_maximum(saltus_orbits *o, const saltus_solution *s, bool found,
     saltus_lap_close(&lap);
 }
 
-saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescribed,
-                                saltus_branch_point *point, int *returns, saltus_message *message) {
+bool saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescribed,
+                       saltus_branch_point *point, int *returns) {
     const saltus_survey *survey = &s->survey;
     const int seen = survey->lap.event_count, periods = s->sequence.periods;
     const bool found = survey->follows && !prescribed;
@@ -206,9 +206,10 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     const saltus_spec spec = saltus_family_spec(&o->family, s->parameter, s->sequence.omega);
     const size_t state_bytes = (size_t)o->n * sizeof *point->state;
     *returns = -1;
-    saltus_status status = saltus_point_open(point, o->n, found ? seen : seen + s->sequence.count, message);
-    if (status != SALTUS_OK)
-        return status;
+    const saltus_status status =
+        saltus_point_open(point, o->n, found ? seen : seen + s->sequence.count, NULL);
+    if (saltus_orbits_noted(o, status) != SALTUS_OK)
+        return false;
     point->value[0] = s->value;
     point->heading = saltus_solution_heading(s) * o->family.unit[0];
     point->spec = saltus_spec_shifted(&spec, &o->family.direction[0], rest);
@@ -244,7 +245,7 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     fold_events(point->events, point->event_count, periods);
     if (s->sequence.omega > 0)
         from_maximum(o, s, found, point, returns);
-    return SALTUS_OK;
+    return true;
 }
 
 void saltus_point_mark_grazing(const saltus_system *system, const saltus_breach *breach,

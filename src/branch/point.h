@@ -16,9 +16,9 @@ saltus_status saltus_point_open(saltus_branch_point *point, int dimension, int e
                                 saltus_message *message);
 /* Fill a point with what a surveyed solution tells. At changes of events it is chance which side the flow
  * sees: there take the `prescribed` events and state. *returns: the returns of a cycle to its section, -1 if
- * unknown. The point owns its arrays (saltus_branch_point_clear). Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_point_make(saltus_orbits *orbits, const saltus_solution *solution, bool prescribed,
-                                saltus_branch_point *point, int *returns, saltus_message *message);
+ * unknown. The point owns its arrays (saltus_branch_point_clear). False without memory, which is noted. */
+bool saltus_point_make(saltus_orbits *orbits, const saltus_solution *solution, bool prescribed,
+                       saltus_branch_point *point, int *returns);
 /* Record a breach as the touch at grazing, or of an equilibrium. */
 void saltus_point_mark_grazing(const saltus_system *system, const saltus_breach *breach,
                                saltus_branch_point *point);

@@ -193,14 +193,14 @@ static void meet(saltus_rest_locus *l, saltus_point_kind kind, const saltus_rest
         .depth = trail->depth + 1,
         .done = true};
     memcpy(start.state, at->state, sizeof start.state);
-    saltus_rests_noted(&l->rests, saltus_locus_starts_add(l->starts, &start, NAN, NULL));
+    saltus_locus_starts_add(l->starts, &start, NAN, &l->rests.starved);
     if (trail->depth >= trail->options->switches)
         return;
     start.kind = start.kind == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;
     start.done = false;
     if (grows)
         saltus_hopf_direction(&l->rests, &hopf, start.sequence.anchor);
-    saltus_rests_noted(&l->rests, saltus_locus_starts_add(l->starts, &start, NAN, NULL));
+    saltus_locus_starts_add(l->starts, &start, NAN, &l->rests.starved);
 }
 
 /* Begin a curve that was met: on a curve of Hopf points from where two eigenvalues are zero on the way on

@@ -40,9 +40,8 @@ saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltu
     char reason[SALTUS_REASON_MAX];
     int returns;
     saltus_branch_point point;
-    saltus_status status = saltus_point_make(&t->orbits, s, what.change, &point, &returns, message);
-    if (status != SALTUS_OK)
-        return status;
+    if (!saltus_point_make(&t->orbits, s, what.change, &point, &returns))
+        return saltus_branch_no_memory(message);
     const saltus_survey *before = &t->here->survey;
     /* Where the marks tell on which side of the change the orbit is, what they leave to the flow is counted
      * on the orbit itself. */
@@ -62,7 +61,8 @@ saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltu
         t->returns = returns;
         t->counted = what.value != 0 ? what.value : s->value;
     }
-    return saltus_trail_give(t->trail, t->orbits.system, &point, &what, message);
+    saltus_trail_give(t->trail, t->orbits.system, &point, &what, &t->orbits.starved);
+    return t->orbits.starved ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
 saltus_status saltus_trace_end(saltus_trace *t, const saltus_solution *s, double ahead, const char *reason,

@@ -103,9 +103,9 @@ static saltus_status add_joined(saltus_trace *t, const saltus_solution *orbit, s
     const double *points = section_points(&t->orbits, orbit, &lap, &count);
     if (points &&
         !saltus_trail_find(t->trail, o->system, start->origin, periods, value, points, count, false, NULL)) {
-        status = saltus_trail_join(t->trail, o->system, start->origin, periods, value, points, &start->place,
-                                   message);
-        if (status == SALTUS_OK && !sequences)
+        start->place =
+            saltus_trail_join(t->trail, o->system, start->origin, periods, value, points, &t->orbits.starved);
+        if (!sequences)
             status = saltus_starts_add_ways(t->starts, start, 0, message);
         for (int k = 0; k < 2 && sequences && status == SALTUS_OK; k++) {
             start->sequence = sequences[k];

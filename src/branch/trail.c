@@ -99,14 +99,12 @@ static int find_visited(const saltus_trail *t, const saltus_system *system,
 }
 
 /* Add one at a state of n numbers. */
-static saltus_status add_visited(saltus_trail *t, const visited *fresh, const double *state, int n,
-                                 saltus_message *message) {
-    visited *own = saltus_list_add(&t->visited, sizeof *own);
+static void add_visited(saltus_trail *t, const visited *fresh, const double *state, int n, bool *starved) {
+    visited *own = saltus_list_grow(&t->visited, sizeof *own, starved);
     if (!own)
-        return saltus_branch_no_memory(message);
+        return;
     *own = *fresh;
     memcpy(own->state, state, (size_t)n * sizeof *state);
-    return SALTUS_OK;
 }
 
 int saltus_trail_find(const saltus_trail *t, const saltus_system *system, saltus_point_kind kind, int periods,
@@ -125,24 +123,22 @@ int saltus_trail_find(const saltus_trail *t, const saltus_system *system, saltus
     return 0;
 }
 
-saltus_status saltus_trail_join(saltus_trail *t, const saltus_system *system, saltus_point_kind kind,
-                                int periods, double value, const double *state, int *place,
-                                saltus_message *message) {
+int saltus_trail_join(saltus_trail *t, const saltus_system *system, saltus_point_kind kind, int periods,
+                      double value, const double *state, bool *starved) {
     const visited fresh = {
         .kind = kind, .branch = t->number, .periods = periods, .value = value, .joined = true};
-    saltus_status status = add_visited(t, &fresh, state, saltus_system_dimension(system), message);
-    *place = t->visited.count;
-    return status;
+    add_visited(t, &fresh, state, saltus_system_dimension(system), starved);
+    return t->visited.count;
 }
 
-saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, saltus_branch_point *fresh,
-                                const saltus_notice *what, saltus_message *message) {
+void saltus_trail_give(saltus_trail *t, const saltus_system *system, saltus_branch_point *fresh,
+                       const saltus_notice *what, bool *starved) {
     const saltus_branch_options *o = t->options;
-    saltus_branch_point *point = saltus_list_add(&t->queue, sizeof *point);
-    saltus_status status = SALTUS_OK;
+    saltus_branch_point *point = saltus_list_grow(&t->queue, sizeof *point, starved);
     if (!point) {
         saltus_branch_point_clear(fresh);
-        return saltus_branch_no_memory(message);
+        t->following = false;
+        return;
     }
     *point = *fresh;
     point->stable = point->stable && (point->locus || !(marginal >> what->kind & 1));
@@ -172,7 +168,7 @@ saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, sa
                        .accuracy = isfinite(point->accuracy) ? point->accuracy : 0};
         memcpy(own.label[0], point->label, SALTUS_LABEL_MAX);
         memcpy(own.label[1], point->label_after, SALTUS_LABEL_MAX);
-        status = add_visited(t, &own, point->state, point->dimension, message);
+        add_visited(t, &own, point->state, point->dimension, starved);
     }
     if (earlier >= 0) {
         point->kind = SALTUS_POINT_EP;
@@ -189,7 +185,6 @@ saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, sa
         saltus_point_mark_grazing(system, what->grazing, point);
     t->following = t->following && point->kind != SALTUS_POINT_EP;
     t->made++;
-    return status;
 }
 
 bool saltus_trail_wants(const saltus_trail *t, double ahead) {

@@ -44,20 +44,19 @@ void saltus_trail_begin(saltus_trail *trail, int number, int parent, int depth, 
 bool saltus_trail_switches(const saltus_trail *trail);
 saltus_branch_start saltus_trail_leaving(const saltus_trail *trail);
 /* Queue a point, which then belongs to the trail. A branch ends with a point of kind EP; it also ends if it
- * comes to a special point that was visited before, and when it has enough points. Errors:
- * SALTUS_NO_MEMORY. */
-saltus_status saltus_trail_give(saltus_trail *trail, const saltus_system *system, saltus_branch_point *fresh,
-                                const saltus_notice *what, saltus_message *message);
+ * comes to a special point that was visited before, and when it has enough points. Without memory *starved is
+ * set, here and below, and the branch ends without a point. */
+void saltus_trail_give(saltus_trail *trail, const saltus_system *system, saltus_branch_point *fresh,
+                       const saltus_notice *what, bool *starved);
 /* The place, counted from 1, at which a special point of this kind and period lies on another branch, at an
  * orbit with these section points (`count`, each a state); 0: none. `joined`: only places at which branches
  * join another one on which they were not; *branch (may be NULL) becomes the number of the branch. */
 int saltus_trail_find(const saltus_trail *trail, const saltus_system *system, saltus_point_kind kind,
                       int periods, double value, const double *points, int count, bool joined, int *branch);
-/* The current branch joins another one at such a place, with this section point; *place as above. Errors:
- * SALTUS_NO_MEMORY. */
-saltus_status saltus_trail_join(saltus_trail *trail, const saltus_system *system, saltus_point_kind kind,
-                                int periods, double value, const double *state, int *place,
-                                saltus_message *message);
+/* The current branch joins another one at such a place, with this section point. Returns the place as above.
+ */
+int saltus_trail_join(saltus_trail *trail, const saltus_system *system, saltus_point_kind kind, int periods,
+                      double value, const double *state, bool *starved);
 /* Whether a point this far ahead is far enough from the last regular one to be given out as one. */
 bool saltus_trail_wants(const saltus_trail *trail, double ahead);
 /* That point was given out. */
