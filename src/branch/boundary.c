@@ -194,7 +194,7 @@ void saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int face, con
                 start.tangent[i] = along[i] + start.heading * fabs(slope) * half[i];
             start.sequence.omega = 2 * M_PI / period;
             if (status == SALTUS_OK && side)
-                status = saltus_starts_add(starts, &start, NULL);
+                saltus_starts_add(starts, &start, &r->starved);
             exponential(&b, k * b.h, b.flow);
         }
         before = sign;

@@ -177,8 +177,9 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
             return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
         saltus_effort_next_point(&b->effort);
         saltus_status status = advance(b, &more, message);
-        /* While the first point of a locus is sought, points on the way are discarded. */
-        if (seeks)
+        /* While the first point of a locus is sought, points on the way are discarded; and so is what a step
+         * without memory has found. */
+        if (seeks || status == SALTUS_NO_MEMORY)
             saltus_trail_drop(&b->trail);
         if (status == SALTUS_OK && more && seeks)
             status = begin_locus(b, message);

@@ -94,9 +94,8 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *
     return ones > 1;
 }
 
-saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, saltus_sequence *beyond,
-                                  saltus_solution *here, saltus_solution *next, saltus_change *change,
-                                  saltus_message *message) {
+void saltus_change_graze(saltus_orbits *o, const saltus_solution *at, saltus_sequence *beyond,
+                         saltus_solution *here, saltus_solution *next, saltus_change *change) {
     const double still = 1e-7, together = 1e-9;
     const saltus_breach_kind worst = saltus_solution_touch(at)->kind;
     int order[SALTUS_MARKS_MAX];
@@ -105,15 +104,13 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
     saltus_sequence other;
     bool passes = false;
     *change = (saltus_change){.kind = SALTUS_POINT_EP};
-    if (!picked || !old) {
-        free(picked);
-        free(old);
-        return saltus_branch_no_memory(message);
-    }
+    *beyond = at->sequence;
+    const bool room = picked && old;
+    o->starved |= !room;
     /* What makes the change is the worst breach and its mirror image: in a run of ever slower impacts the
      * last ones are almost as slow as the one that is born or dies, but only that one does. Where impacts die
      * the births are tried next. */
-    for (int attempt = 0; attempt < 2 && !passes && (!attempt || change->reason); attempt++) {
+    for (int attempt = 0; attempt < 2 && room && !passes && (!attempt || change->reason); attempt++) {
         const saltus_breach_kind kind = attempt ? SALTUS_BREACH_GAP : worst;
         saltus_sequence *fresh = attempt ? &other : beyond;
         int count = 0;
@@ -141,7 +138,6 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
     }
     free(picked);
     free(old);
-    return SALTUS_OK;
 }
 
 /* Whether two orbits agree in complete chatter and in the number of sticking intervals. */
@@ -482,7 +478,7 @@ static double find_vanished(saltus_orbits *o, const saltus_solution *here, doubl
             break;
     }
     /* The branch goes on from `here`. */
-    saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &here->sequence, NULL));
+    saltus_orbits_reshape(o, here);
     return width;
 }
 
@@ -566,7 +562,7 @@ bool saltus_change_retrace(saltus_orbits *o, const saltus_solution *here, saltus
     if (!(sequence_met(o, here, state, &met) &&
           saltus_solution_place(o, &met, here->parameter, state, true, fresh, NULL) == SALTUS_OK &&
           saltus_solution_survey(o, fresh, NULL) == SALTUS_OK && fresh->survey.follows)) {
-        saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &here->sequence, NULL));
+        saltus_orbits_reshape(o, here);
         return false;
     }
     saltus_solution_head(fresh, saltus_solution_heading(here));

@@ -35,10 +35,9 @@ bool saltus_change_pass(saltus_orbits *orbits, const saltus_sequence *beyond, co
                         const double *state, const double *old, saltus_solution *here, saltus_solution *next);
 /* The change of events at the grazing orbit `at`: *change gets kind GR if the branch continues with the
  * sequence `beyond`, otherwise EP; its reason is NULL if the impact that is born is too close to another one
- * to be distinguished from it. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_change_graze(saltus_orbits *orbits, const saltus_solution *at, saltus_sequence *beyond,
-                                  saltus_solution *here, saltus_solution *next, saltus_change *change,
-                                  saltus_message *message);
+ * to be distinguished from it. */
+void saltus_change_graze(saltus_orbits *orbits, const saltus_solution *at, saltus_sequence *beyond,
+                         saltus_solution *here, saltus_solution *next, saltus_change *change);
 /* Whether the orbit at a change without its impacts of zero speed is one of a family of orbits at the same
  * parameters, of which no single one is special: without damping, where the period is that of oscillations
  * between impacts. *doubled: whether it is, or orbits of twice the period are. */

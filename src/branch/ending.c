@@ -47,41 +47,35 @@ typedef struct passed {
     unsigned contacts; /* faces that it is held against */
 } passed_rest;
 
-static saltus_status cycle_passes(saltus_orbits *o, const saltus_solution *s, passed_rest *passed,
-                                  saltus_message *message) {
+static passed_rest cycle_passes(saltus_orbits *o, const saltus_solution *s) {
     saltus_equilibrium_options how = saltus_equilibrium_defaults();
     saltus_equilibrium rest = {0};
-    saltus_message why = {.text = ""};
+    passed_rest passed = {.found = false};
     double slowest[SALTUS_STATE_MAX] = {0}, speed;
-    *passed = (passed_rest){.found = false};
-    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, &why);
+    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, NULL);
     if (status == SALTUS_OK)
-        status = go_around(o, s, NULL, slowest, &speed, &why);
+        status = go_around(o, s, NULL, slowest, &speed, NULL);
     if (status == SALTUS_OK)
-        status = saltus_equilibrium_find(o->system, slowest, &how, &rest, &why);
+        status = saltus_equilibrium_find(o->system, slowest, &how, &rest, NULL);
     if (status == SALTUS_OK)
-        status = go_around(o, s, rest.state, slowest, &passed->distance, &why);
-    if (status == SALTUS_OK) {
-        passed->found = true;
-        passed->contacts = rest.contacts;
+        status = go_around(o, s, rest.state, slowest, &passed.distance, NULL);
+    if (saltus_orbits_noted(o, status) == SALTUS_OK) {
+        passed.found = true;
+        passed.contacts = rest.contacts;
         const saltus_growing counts = saltus_eigenvalues_growing(rest.eigenvalues, rest.eigenvalue_count);
-        passed->saddle = counts.growing && counts.decaying;
+        passed.saddle = counts.growing && counts.decaying;
     }
     saltus_equilibrium_clear(&rest);
-    return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", why.text) : SALTUS_OK;
+    return passed;
 }
 
-saltus_status saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *at, bool lost, bool *ends,
-                                       char *reason, saltus_message *message) {
+bool saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *at, bool lost, char *reason) {
     const double near = 1e-2, still = 1e-3;
     const double stretching = fabs(at->at.tangent[at->at.unknowns - 2]);
-    passed_rest passed = {.found = false};
-    *ends = at->sequence.omega > 0 && fabs(saltus_solution_heading(at)) < still * stretching;
-    saltus_status status = *ends ? cycle_passes(o, at, &passed, message) : SALTUS_OK;
-    if (!*ends || status != SALTUS_OK)
-        return status;
+    if (!(at->sequence.omega > 0 && fabs(saltus_solution_heading(at)) < still * stretching))
+        return false;
+    const passed_rest passed = cycle_passes(o, at);
     const bool meets = passed.found && passed.distance < near && passed.saddle;
-    *ends = meets || lost;
     const double period = 2 * M_PI * at->sequence.periods / at->sequence.omega;
     if (meets)
         snprintf(
@@ -91,7 +85,7 @@ saltus_status saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *
     else
         snprintf(reason, SALTUS_REASON_MAX,
                  "the parameter stands still while the period changes, here %.6g; no saddle is near", period);
-    return status;
+    return meets || lost;
 }
 
 enum { unknowns_max = SALTUS_STATE_MAX + SALTUS_FACES_MAX + 2 };
@@ -125,48 +119,44 @@ static bool find_birth(saltus_rests *r, const double *place, const double *norma
 }
 
 /* The same at the slowest point of a cycle, with the normal along the flow. */
-static saltus_status seek_birth(saltus_orbits *o, const saltus_solution *s, double *parameter, bool *found,
-                                saltus_message *message) {
+static bool seek_birth(saltus_orbits *o, const saltus_solution *s, double *parameter) {
     saltus_rests r = {.family = o->family, .origin = {o->origin}};
     double slowest[SALTUS_STATE_MAX] = {0}, field[SALTUS_STATE_MAX], place[unknowns_max],
            normal[unknowns_max], speed, size = 0;
-    *found = false;
-    saltus_status status =
-        saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, message);
+    bool found = false;
+    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, NULL);
     if (status == SALTUS_OK)
-        status = go_around(o, s, NULL, slowest, &speed, message);
+        status = go_around(o, s, NULL, slowest, &speed, NULL);
     if (status == SALTUS_OK)
-        status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, slowest, message);
+        status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, slowest, NULL);
     if (status == SALTUS_OK && !saltus_flow_contacts(o->flow, 0)) {
         saltus_flow_field(o->flow, 0, field);
-        status = saltus_rests_open(&r, message);
+        status = saltus_rests_open(&r, NULL);
         if (status == SALTUS_OK)
-            status = saltus_rests_shape(&r, 0, slowest, s->parameter, message);
+            status = saltus_rests_shape(&r, 0, slowest, s->parameter, NULL);
         if (status == SALTUS_OK)
-            status = saltus_rests_fill(&r, s->parameter, slowest, place, message);
+            status = saltus_rests_fill(&r, s->parameter, slowest, place, NULL);
         for (int i = 0; i < o->n && status == SALTUS_OK; i++)
             slowest[i] += field[i] / speed;
         if (status == SALTUS_OK)
-            status = saltus_rests_fill(&r, s->parameter, slowest, normal, message);
+            status = saltus_rests_fill(&r, s->parameter, slowest, normal, NULL);
         for (int j = 0; j < r.equations.unknowns && status == SALTUS_OK; j++)
             size = hypot(size, normal[j] -= place[j]);
         for (int j = 0; j < r.equations.unknowns && status == SALTUS_OK; j++)
             normal[j] /= size;
-        *found = status == SALTUS_OK && size > 0 && find_birth(&r, place, normal, parameter);
-        if (r.starved)
-            status = SALTUS_NO_MEMORY;
+        found = status == SALTUS_OK && size > 0 && find_birth(&r, place, normal, parameter);
+        o->starved |= r.starved;
         saltus_rests_close(&r);
     }
-    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    saltus_orbits_noted(o, status);
+    return found;
 }
 
-saltus_status saltus_cycle_tell_birth(saltus_orbits *o, const saltus_solution *here,
-                                      const saltus_solution *next, const double range[2], const char *key,
-                                      bool *ends, char *reason, saltus_message *message) {
+bool saltus_cycle_tell_birth(saltus_orbits *o, const saltus_solution *here, const saltus_solution *next,
+                             const double range[2], const char *key, char *reason) {
     const double little = 1e-3, alike = 0.1, longer = 0.3;
-    *ends = false;
     if (!(next->sequence.omega > 0) || !(here->sequence.omega > 0))
-        return SALTUS_OK;
+        return false;
     const double period = 2 * M_PI * next->sequence.periods / next->sequence.omega,
                  grown = log(period * here->sequence.omega / (2 * M_PI * here->sequence.periods)),
                  way = next->parameter[0] - here->parameter[0],
@@ -174,30 +164,24 @@ saltus_status saltus_cycle_tell_birth(saltus_orbits *o, const saltus_solution *h
     /* Test only now and then: whenever the period has grown by a certain factor. */
     if (!(grown > 0 && fabs(left) < little) ||
         floor(log(period) / longer) == floor((log(period) - grown) / longer))
-        return SALTUS_OK;
+        return false;
     double parameter;
-    bool found;
-    saltus_message why;
-    saltus_status status = seek_birth(o, next, &parameter, &found, &why);
-    *ends = status == SALTUS_OK && found && parameter >= range[0] && parameter <= range[1] &&
-            fabs(parameter - next->parameter[0] - left) < alike * fabs(left);
-    if (*ends)
+    const bool ends = seek_birth(o, next, &parameter) && parameter >= range[0] && parameter <= range[1] &&
+                      fabs(parameter - next->parameter[0] - left) < alike * fabs(left);
+    if (ends)
         snprintf(
             reason, SALTUS_REASON_MAX,
             "two equilibria are born on the orbit at %s = %.12g: the period grows without bound, here %.6g",
             key, o->origin + o->family.unit[0] * parameter, period);
-    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    return ends;
 }
 
-saltus_status saltus_cycle_tell_shrinking(saltus_orbits *o, const saltus_solution *at, char *reason,
-                                          saltus_message *message) {
-    passed_rest passed = {.found = false};
-    saltus_status status = cycle_passes(o, at, &passed, message);
+void saltus_cycle_tell_shrinking(saltus_orbits *o, const saltus_solution *at, char *reason) {
+    const passed_rest passed = cycle_passes(o, at);
     int length = snprintf(reason, SALTUS_REASON_MAX, "the orbit shrinks to an equilibrium: period %.9g",
                           2 * M_PI * at->sequence.periods / at->sequence.omega);
     if (passed.found)
         snprintf(reason + length, SALTUS_REASON_MAX - (size_t)length, ", distance %.2g", passed.distance);
-    return status;
 }
 
 /* Half the sum of the two eigenvalues whose product is near `*square`, which becomes their product, at the
@@ -257,68 +241,57 @@ static double scatter(saltus_rests *r, double *u, const saltus_shrunk *hopf) {
 }
 
 /* Find the Hopf point from the equilibrium and the eigenvalues nearest to the cycle's state and frequency. */
-static saltus_status cycle_shrinks(saltus_orbits *o, const saltus_solution *s, saltus_shrunk *hopf,
-                                   saltus_message *message) {
+static saltus_shrunk cycle_shrinks(saltus_orbits *o, const saltus_solution *s) {
     saltus_rests r = {.family = o->family, .origin = {o->origin}};
     saltus_rest rest = {.rate_count = 0};
-    saltus_message why = {.text = ""};
-    *hopf = (saltus_shrunk){.omega = s->sequence.omega / s->sequence.periods};
-    saltus_status status = saltus_rests_open(&r, &why);
+    saltus_shrunk hopf = {.omega = s->sequence.omega / s->sequence.periods};
+    saltus_status status = saltus_rests_open(&r, NULL);
     if (status == SALTUS_OK)
-        status = saltus_rests_begin(&r, s->sequence.contacts, s->state, s->parameter, &rest.at, &why);
+        status = saltus_rests_begin(&r, s->sequence.contacts, s->state, s->parameter, &rest.at, NULL);
     double *u = rest.at.u;
-    if (status == SALTUS_OK && find_zero(&r, u, hopf)) {
-        hopf->accuracy += scatter(&r, u, hopf);
-        status = saltus_rest_see(&r, &rest, &why);
-        hopf->found = isfinite(hopf->accuracy) && status == SALTUS_OK;
-        hopf->rate_count = status == SALTUS_OK ? rest.rate_count : 0;
+    if (status == SALTUS_OK && find_zero(&r, u, &hopf)) {
+        hopf.accuracy += scatter(&r, u, &hopf);
+        status = saltus_rest_see(&r, &rest, NULL);
+        hopf.found = isfinite(hopf.accuracy) && status == SALTUS_OK;
+        hopf.rate_count = status == SALTUS_OK ? rest.rate_count : 0;
         for (int i = 0; i < r.n && status == SALTUS_OK; i++)
-            hopf->state[i] = rest.state[i];
-        for (int k = 0; k < hopf->rate_count; k++)
-            hopf->rates[k] = rest.rates[k];
+            hopf.state[i] = rest.state[i];
+        for (int k = 0; k < hopf.rate_count; k++)
+            hopf.rates[k] = rest.rates[k];
     }
-    const bool starved = r.starved || status == SALTUS_NO_MEMORY;
+    o->starved |= r.starved || status == SALTUS_NO_MEMORY;
     saltus_rest_clear(&rest);
     saltus_rests_close(&r);
-    return starved ? saltus_branch_no_memory(message) : SALTUS_OK;
+    return hopf;
 }
 
-saltus_status saltus_cycle_seek_hopf(saltus_orbits *o, const saltus_solution *here,
-                                     const saltus_solution *next, saltus_solution *at,
-                                     saltus_solution *scratch, saltus_hopf_ahead *hopf, bool *misses,
-                                     saltus_message *message) {
+bool saltus_cycle_seek_hopf(saltus_orbits *o, const saltus_solution *here, const saltus_solution *next,
+                            saltus_solution *at, saltus_solution *scratch, saltus_hopf_ahead *hopf) {
     const double close = 1e-6, alike = 1e-3, slack = 10;
     saltus_special *special = &hopf->special;
     saltus_shrunk *shrunk = &hopf->shrunk;
-    hopf->is_one = false;
-    *misses = saltus_solution_rests(next, here);
-    hopf->found = !*misses && saltus_special_hopf(o, here, next, special, scratch);
-    saltus_status status = SALTUS_OK;
-    if (hopf->found)
-        status = saltus_special_visit(o, here, next->at.ahead, special, at, &hopf->is_one, message);
-    if (status != SALTUS_OK || !hopf->is_one)
-        return status;
+    const bool rests = saltus_solution_rests(next, here);
+    hopf->found = !rests && saltus_special_hopf(o, here, next, special, scratch);
+    hopf->is_one = hopf->found && saltus_special_visit(o, here, next->at.ahead, special, at);
+    if (!hopf->is_one)
+        return rests;
     const saltus_solution *near = special->sharp ? at : here;
-    status = cycle_shrinks(o, at, shrunk, message);
+    *shrunk = cycle_shrinks(o, at);
     const double most =
         special->sharp ? slack * special->accuracy / o->family.unit[0] + close : next->at.ahead;
     shrunk->found = shrunk->found && fabs(shrunk->parameter - near->parameter[0]) < most &&
                     fabs(log(shrunk->omega * here->sequence.periods / near->sequence.omega)) < alike;
-    *misses = here->sequence.count == 0 && !(special->sharp && shrunk->found);
-    return status;
+    return here->sequence.count == 0 && !(special->sharp && shrunk->found);
 }
 
-saltus_status saltus_cycle_folds(saltus_orbits *o, const saltus_solution *here, const saltus_special *fold,
-                                 const saltus_solution *at, bool *folds, saltus_message *message) {
+bool saltus_cycle_folds(saltus_orbits *o, const saltus_solution *here, const saltus_special *fold,
+                        const saltus_solution *at) {
     const double small = 0.2; /* relative to the orbit before */
-    saltus_shrunk shrunk;
-    *folds = true;
     if (fold->kind != SALTUS_POINT_LP || !(at->sequence.omega > 0) || at->sequence.count > 0 ||
         at->speed >= small * here->speed)
-        return SALTUS_OK;
-    saltus_status status = cycle_shrinks(o, at, &shrunk, message);
-    *folds = !shrunk.found || o->family.unit[0] * fabs(shrunk.parameter - at->parameter[0]) > fold->accuracy;
-    return status;
+        return true;
+    const saltus_shrunk shrunk = cycle_shrinks(o, at);
+    return !shrunk.found || o->family.unit[0] * fabs(shrunk.parameter - at->parameter[0]) > fold->accuracy;
 }
 
 /* Multipliers from the eigenvalues at a Hopf point; the imaginary pair gives the trivial one and a 1. */

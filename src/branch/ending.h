@@ -1,5 +1,5 @@
 /* Private: where a branch of cycles ends: at an equilibrium to which they shrink, at a homoclinic orbit, in a
- * family of orbits; and where all their impacts fade at once.
+ * family of orbits; and where all their impacts fade at once. Lack of memory is noted in the orbits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_ENDING_H
 #define SALTUS_BRANCH_ENDING_H
@@ -7,23 +7,19 @@
 #include "branch/special.h"
 #include "saltus/equilibrium.h"
 
-/* *ends: whether the branch ends at this cycle because the parameter stands still while the period changes;
- * `reason` (SALTUS_REASON_MAX) says why. It does at a homoclinic orbit, near a saddle. At a canard explosion
- * the parameter stands still too, but the period stays finite: there the branch ends only if it is `lost`.
- * Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_cycle_tell_saddle(saltus_orbits *orbits, const saltus_solution *cycle, bool lost,
-                                       bool *ends, char *reason, saltus_message *message);
-/* *ends: whether the cycles end where two equilibria are born on them (a saddle-node on an invariant circle).
- * The period then goes as one over the square root of the parameter's distance from that place; from its
- * growth between `here` and `next` follows the distance left, which must be small, and lead to an end within
- * `range`. `key`: the parameter's name. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_cycle_tell_birth(saltus_orbits *orbits, const saltus_solution *here,
-                                      const saltus_solution *next, const double range[2], const char *key,
-                                      bool *ends, char *reason, saltus_message *message);
+/* Whether the branch ends at this cycle because the parameter stands still while the period changes; `reason`
+ * (SALTUS_REASON_MAX) says why. It does at a homoclinic orbit, near a saddle. At a canard explosion the
+ * parameter stands still too, but the period stays finite: there the branch ends only if it is `lost`. */
+bool saltus_cycle_tell_saddle(saltus_orbits *orbits, const saltus_solution *cycle, bool lost, char *reason);
+/* Whether the cycles end where two equilibria are born on them (a saddle-node on an invariant circle). The
+ * period then goes as one over the square root of the parameter's distance from that place; from its growth
+ * between `here` and `next` follows the distance left, which must be small, and lead to an end within
+ * `range`. `key`: the parameter's name. */
+bool saltus_cycle_tell_birth(saltus_orbits *orbits, const saltus_solution *here, const saltus_solution *next,
+                             const double range[2], const char *key, char *reason);
 /* The reason of an end where cycles shrink to an equilibrium, with their period and their distance from it.
- * Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_cycle_tell_shrinking(saltus_orbits *orbits, const saltus_solution *cycle, char *reason,
-                                          saltus_message *message);
+ */
+void saltus_cycle_tell_shrinking(saltus_orbits *orbits, const saltus_solution *cycle, char *reason);
 
 /* The Hopf point of the equilibrium inside a small cycle, from the equilibrium's own equation: the parameter
  * at which two eigenvalues are +-i omega. */
@@ -43,17 +39,13 @@ typedef struct saltus_hopf_ahead {
 } saltus_hopf_ahead;
 
 /* If the cycles of a step seem to shrink to an equilibrium: the orbit there as `at`, and the Hopf point that
- * ends them. *misses: the step is too long to see this, or has left the cycles. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_cycle_seek_hopf(saltus_orbits *orbits, const saltus_solution *here,
-                                     const saltus_solution *next, saltus_solution *at,
-                                     saltus_solution *scratch, saltus_hopf_ahead *hopf, bool *misses,
-                                     saltus_message *message);
-/* *folds: whether the special point `at` of a step from `here` is what it seems. A fold right before the Hopf
- * point at which cycles end may be none: there the parameter stands still, and rounding turns it back.
- * Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_cycle_folds(saltus_orbits *orbits, const saltus_solution *here,
-                                 const saltus_special *fold, const saltus_solution *at, bool *folds,
-                                 saltus_message *message);
+ * ends them. True if it `misses`: the step is too long to see this, or has left the cycles. */
+bool saltus_cycle_seek_hopf(saltus_orbits *orbits, const saltus_solution *here, const saltus_solution *next,
+                            saltus_solution *at, saltus_solution *scratch, saltus_hopf_ahead *hopf);
+/* Whether the special point `at` of a step from `here` is what it seems. A fold right before the Hopf point
+ * at which cycles end may be none: there the parameter stands still, and rounding turns it back. */
+bool saltus_cycle_folds(saltus_orbits *orbits, const saltus_solution *here, const saltus_special *fold,
+                        const saltus_solution *at);
 /* `out`, which has the shooting's sequence, becomes that Hopf point as an orbit, surveyed; it keeps its
  * tangent. Its multipliers are the limits of those of the shrinking cycles. Errors: SALTUS_NO_MEMORY, those
  * of the flow. */

@@ -61,7 +61,8 @@ saltus_status saltus_equilibria_open(saltus_equilibria *e, const saltus_spec *sp
                                  .parent = -1};
     memcpy(start.state, rest.state, (size_t)r->n * sizeof *start.state);
     saltus_equilibrium_clear(&rest);
-    return saltus_starts_add_ways(&e->starts, &start, options->direction, message);
+    saltus_starts_add_ways(&e->starts, &start, options->direction, &r->starved);
+    return r->starved ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
 void saltus_equilibria_close(saltus_equilibria *e) {
@@ -239,11 +240,10 @@ static void leave(saltus_equilibria *e, const saltus_rest *at) {
     const bool mirrored = r->system->mirror && saltus_system_distance(r->system, at->state, nothing) < 1e-7;
     saltus_branch_start start = leaving(e, at, SALTUS_POINT_BP);
     start.unknowns = r->n + 1; /* as many as an orbit's; those beyond m are unused */
-    saltus_status status =
+    const saltus_status status =
         saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, start.tangent, NULL, NULL);
-    if (status == SALTUS_OK)
-        status = saltus_starts_add_ways(&e->starts, &start, mirrored, NULL);
-    saltus_rests_noted(r, status);
+    if (saltus_rests_noted(r, status) == SALTUS_OK)
+        saltus_starts_add_ways(&e->starts, &start, mirrored, &r->starved);
 }
 
 /* The requested locus begins at `at`; no more of this branch is needed. A `face` (-1: none) that is only
@@ -299,7 +299,7 @@ static void give_hopf(saltus_equilibria *e, const saltus_rest *at, saltus_notice
     saltus_hopf_direction(&e->rests, &hopf, start.tangent);
     start.sequence.omega = hopf.omega;
     start.unknowns = e->rests.n + 2;
-    saltus_rests_noted(&e->rests, saltus_starts_add(e->cycles, &start, NULL));
+    saltus_starts_add(e->cycles, &start, &e->rests.starved);
 }
 
 /* Find all special points of the step from `here` to `next`, and give them out in order. */
@@ -458,7 +458,7 @@ static void meet(saltus_equilibria *e, int face, saltus_zero zero) {
                          .after = goes_on ? label_of(e->spare->contacts) : NULL,
                          .grazing = &touch});
     for (int k = 0; k < born.count && saltus_trail_switches(e->trail); k++)
-        saltus_rests_noted(&e->rests, saltus_starts_add(e->cycles, &born.start[k], NULL));
+        saltus_starts_add(e->cycles, &born.start[k], &e->rests.starved);
     saltus_starts_clear(&born);
     if (!trail->following)
         return;

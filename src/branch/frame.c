@@ -88,7 +88,7 @@ static bool reframe(saltus_orbits *o, bool trims, bool leaves, bool more, saltus
     else if (!saltus_sequence_reframe(&s->sequence, speed, cuts, trims, &fresh, order))
         return false;
     if (saltus_orbits_noted(o, place(o, s, &fresh, order, turning, state, scratch)) != SALTUS_OK) {
-        saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &s->sequence, NULL));
+        saltus_orbits_reshape(o, s);
         return false;
     }
     SALTUS_SWAP(s->survey, scratch->survey);

@@ -249,8 +249,9 @@ static saltus_status try(newborn *b, int trial, saltus_rest *rest, const saltus_
     clear(&f);
     start.heading = b->parameter > b->at->parameter[0] ? 1 : -1;
     start.unknowns = saltus_sequence_unknowns(&start.sequence, b->rests->n) + 1;
-    return does && status == SALTUS_OK && !is_known(starts, &start) ? saltus_starts_add(starts, &start, NULL)
-                                                                    : status;
+    if (does && status == SALTUS_OK && !is_known(starts, &start))
+        saltus_starts_add(starts, &start, &b->rests->starved);
+    return status;
 }
 
 void saltus_newborn_find(saltus_rests *r, const saltus_rest *at, int face,

@@ -161,6 +161,10 @@ saltus_status saltus_solution_place(saltus_orbits *o, const saltus_sequence *seq
     return saltus_orbits_noted(o, status);
 }
 
+void saltus_orbits_reshape(saltus_orbits *o, const saltus_solution *s) {
+    saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &s->sequence, NULL));
+}
+
 double saltus_solution_way(const saltus_solution *s) {
     return s->speed * s->sequence.speed * 2 * M_PI * s->sequence.periods / s->sequence.omega;
 }

@@ -86,6 +86,8 @@ void saltus_solution_head(saltus_solution *solution, double heading);
 saltus_status saltus_solution_place(saltus_orbits *orbits, const saltus_sequence *sequence,
                                     const double *parameters, const double *state, bool polish,
                                     saltus_solution *out, saltus_message *message);
+/* The shooting takes on the sequence of a solution again, after attempts with others. */
+void saltus_orbits_reshape(saltus_orbits *orbits, const saltus_solution *solution);
 /* For an orbit whose period is an unknown: the scaled distance that it would move in its period at the speed
  * at its base. */
 double saltus_solution_way(const saltus_solution *solution);

@@ -495,13 +495,11 @@ static bool crosses_circle(saltus_orbits *o, const saltus_solution *from, double
            beside[0] * beside[1] < 0;
 }
 
-saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double reach,
-                                   saltus_special *special, saltus_solution *at, bool *is_one,
-                                   saltus_message *message) {
+bool saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double reach,
+                          saltus_special *special, saltus_solution *at) {
     saltus_zero crossing = {.found = false};
     const double still = 0.2; /* relative to the orbit before */
     const double sharp = 1e-7;
-    *is_one = false;
     saltus_test by = special->kind == SALTUS_POINT_HB ? SALTUS_TEST_ONWARD : SALTUS_TEST_CROSSING;
     if (special->kind == SALTUS_POINT_BP || special->kind == SALTUS_POINT_HB)
         crossing = saltus_solution_crossing(o, by, from, special->ahead, reach, at);
@@ -509,28 +507,26 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
     if (crossing.found)
         special->accuracy = crossing.accuracy + doubt_of(o, by, from, special->ahead, reach, at->value);
     else if (saltus_solution_visit(o, from, special->ahead, at, NULL) != SALTUS_OK)
-        return SALTUS_OK;
-    saltus_status status = saltus_solution_survey(o, at, message);
-    if (status != SALTUS_OK)
-        return status;
+        return false;
+    saltus_solution_survey(o, at, NULL);
     special->value = at->value;
-    *is_one = special->kind == SALTUS_POINT_NS ? crosses_circle(o, from, special->ahead, at)
-              : special->kind == SALTUS_POINT_HB
-                  ? at->speed < still
-                  : special->test == SALTUS_TEST_VALUE || !forgets_all(&at->survey);
+    bool is_one = special->kind == SALTUS_POINT_NS ? crosses_circle(o, from, special->ahead, at)
+                  : special->kind == SALTUS_POINT_HB
+                      ? at->speed < still
+                      : special->test == SALTUS_TEST_VALUE || !forgets_all(&at->survey);
     bool is_fold = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP;
     const bool ends = is_fold && (joins(o, from, at, false, special) || joins(o, from, at, true, special));
     if (special->kind == SALTUS_POINT_LP && !ends && is_beside_join(o, from, at))
-        *is_one = false;
+        is_one = false;
     const bool by_determinant = is_fold || special->kind == SALTUS_POINT_PD;
-    if (*is_one && !ends && !crossing.found && special->test != SALTUS_TEST_VALUE)
+    if (is_one && !ends && !crossing.found && special->test != SALTUS_TEST_VALUE)
         special->accuracy += saltus_special_doubt(o, special->test, at);
     const bool vague = at->sequence.omega > 0 || !(special->accuracy < sharp * o->family.unit[0]);
     /* Where the flow does not complete the orbit, only the place itself can tell. */
     const bool shown = at->survey.walked || isfinite(special->accuracy);
     if (by_determinant && !ends && vague)
-        *is_one = *is_one && shown && !lacks_multiplier(at, special->kind);
-    return status;
+        is_one = is_one && shown && !lacks_multiplier(at, special->kind);
+    return is_one;
 }
 
 bool saltus_special_strays(saltus_orbits *o, const saltus_solution *here, const saltus_solution *next) {

@@ -34,12 +34,10 @@ int saltus_special_find(saltus_orbits *orbits, const saltus_solution *from, cons
 /* The place where cycles seem to shrink to an equilibrium; false: there is none. */
 bool saltus_special_hopf(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                          saltus_special *special, saltus_solution *scratch);
-/* Judge such a place: `at` becomes the orbit there, surveyed, and kind, value, accuracy and end are set;
- * *is_one: whether it is a special point after all. `reach`: length of the step from `from`. Errors:
- * SALTUS_NO_MEMORY. */
-saltus_status saltus_special_visit(saltus_orbits *orbits, const saltus_solution *from, double reach,
-                                   saltus_special *special, saltus_solution *at, bool *is_one,
-                                   saltus_message *message);
+/* Judge such a place: `at` becomes the orbit there, surveyed, and kind, value, accuracy and end are set.
+ * False if it is no special point after all. `reach`: length of the step from `from`. */
+bool saltus_special_visit(saltus_orbits *orbits, const saltus_solution *from, double reach,
+                          saltus_special *special, saltus_solution *at);
 
 /* The possible error of a special point's parameter, besides the width of its bracket: from rounding, and
  * from the difference to a flow of another tolerance. `at`: has the shooting's sequence and is near the zero
@@ -81,13 +79,11 @@ typedef struct saltus_starts {
 saltus_status saltus_special_between(saltus_orbits *orbits, saltus_orbits *own, const saltus_solution *at,
                                      bool mirrored, saltus_solution *between);
 
-/* Append a copy. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_starts_add(saltus_starts *starts, const saltus_branch_start *start,
-                                saltus_message *message);
+/* Append a copy. *starved is set without memory, here and below. */
+void saltus_starts_add(saltus_starts *starts, const saltus_branch_start *start, bool *starved);
 /* Append both directions along a branch or, if `direction` is not 0, one: with that heading, or with the
  * tangent as it is (1) or reversed (-1). start->tangent is left reversed. */
-saltus_status saltus_starts_add_ways(saltus_starts *starts, saltus_branch_start *start, int direction,
-                                     saltus_message *message);
+void saltus_starts_add_ways(saltus_starts *starts, saltus_branch_start *start, int direction, bool *starved);
 /* Take out the first start. */
 saltus_branch_start saltus_starts_take(saltus_starts *starts);
 /* Remove those that lead away from a joined place; returns their number. */
@@ -95,15 +91,14 @@ int saltus_starts_drop(saltus_starts *starts, int place);
 void saltus_starts_clear(saltus_starts *starts);
 
 /* Add the branches that leave at a flip or branch point `at`; `like` has what the starts have in common.
- * Errors: SALTUS_NO_MEMORY, those of the equations, if the branches cannot be found. */
+ * Errors: those of the equations, if the branches cannot be found. */
 saltus_status saltus_starts_leave(saltus_orbits *orbits, const saltus_solution *at, saltus_point_kind kind,
                                   const saltus_branch_start *like, saltus_starts *starts,
                                   saltus_message *message);
 /* Add the branch of twice the period that leaves at grazing, whose orbits have the impact in one half only;
  * `beyond`: the sequence on the other side of `at`. None is added where more than one impact is born or dies.
- * Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_starts_graze(const saltus_solution *at, const saltus_sequence *beyond,
-                                  const saltus_branch_start *like, saltus_starts *starts,
-                                  saltus_message *message);
+ */
+void saltus_starts_graze(const saltus_solution *at, const saltus_sequence *beyond,
+                         const saltus_branch_start *like, saltus_starts *starts, bool *starved);
 
 #endif

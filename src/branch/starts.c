@@ -7,29 +7,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-saltus_status saltus_starts_add(saltus_starts *starts, const saltus_branch_start *start,
-                                saltus_message *message) {
+void saltus_starts_add(saltus_starts *starts, const saltus_branch_start *start, bool *starved) {
     const size_t room = ((size_t)starts->count + 1) * sizeof *starts->start;
     saltus_branch_start *grown = realloc(starts->start, room);
+    *starved |= !grown;
     if (!grown)
-        return saltus_branch_no_memory(message);
+        return;
     starts->start = grown;
     grown[starts->count++] = *start;
-    return SALTUS_OK;
 }
 
-saltus_status saltus_starts_add_ways(saltus_starts *starts, saltus_branch_start *start, int direction,
-                                     saltus_message *message) {
-    saltus_status status = SALTUS_OK;
-    for (int way = 1; way >= -1 && status == SALTUS_OK; way -= 2) {
+void saltus_starts_add_ways(saltus_starts *starts, saltus_branch_start *start, int direction, bool *starved) {
+    for (int way = 1; way >= -1; way -= 2) {
         for (int j = 0; j < start->unknowns && way < 0; j++)
             start->tangent[j] = -start->tangent[j];
         if (start->unknowns == 0)
             start->heading = way;
         if (direction * way >= 0)
-            status = saltus_starts_add(starts, start, message);
+            saltus_starts_add(starts, start, starved);
     }
-    return status;
 }
 
 saltus_branch_start saltus_starts_take(saltus_starts *starts) {
@@ -89,19 +85,18 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
         start.tangent[j] = c * plane[j] - a * plane[m + j];
     saltus_make_unit(start.tangent, m);
     /* At pitchforks and flips the other half of the branch is the image of this half. */
-    return saltus_starts_add_ways(starts, &start, pitchfork, message);
+    saltus_starts_add_ways(starts, &start, pitchfork, &o->starved);
+    return SALTUS_OK;
 }
 
-saltus_status saltus_starts_graze(const saltus_solution *at, const saltus_sequence *beyond,
-                                  const saltus_branch_start *like, saltus_starts *starts,
-                                  saltus_message *message) {
+void saltus_starts_graze(const saltus_solution *at, const saltus_sequence *beyond,
+                         const saltus_branch_start *like, saltus_starts *starts, bool *starved) {
     const saltus_sequence *more = beyond->count > at->sequence.count ? beyond : &at->sequence;
     const saltus_sequence *less = more == beyond ? &at->sequence : beyond;
     saltus_branch_start start = *like;
     start.parameter = at->parameter[0];
     memcpy(start.state, at->state, sizeof start.state);
     start.origin = SALTUS_POINT_GR;
-    if (more->count != less->count + 1 || !saltus_sequence_join(more, less, &start.sequence))
-        return SALTUS_OK;
-    return saltus_starts_add(starts, &start, message);
+    if (more->count == less->count + 1 && saltus_sequence_join(more, less, &start.sequence))
+        saltus_starts_add(starts, &start, starved);
 }

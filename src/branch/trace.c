@@ -35,13 +35,14 @@ static void tell_returns(const saltus_trace *t, int returns, int before, double 
              returns ? "" : "; another section would count the orbit");
 }
 
-saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltus_notice what,
-                                saltus_message *message) {
+void saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltus_notice what) {
     char reason[SALTUS_REASON_MAX];
     int returns;
     saltus_branch_point point;
-    if (!saltus_point_make(&t->orbits, s, what.change, &point, &returns))
-        return saltus_branch_no_memory(message);
+    if (!saltus_point_make(&t->orbits, s, what.change, &point, &returns)) {
+        t->trail->following = false;
+        return;
+    }
     const saltus_survey *before = &t->here->survey;
     /* Where the marks tell on which side of the change the orbit is, what they leave to the flow is counted
      * on the orbit itself. */
@@ -62,14 +63,11 @@ saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltu
         t->counted = what.value != 0 ? what.value : s->value;
     }
     saltus_trail_give(t->trail, t->orbits.system, &point, &what, &t->orbits.starved);
-    return t->orbits.starved ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
-saltus_status saltus_trace_end(saltus_trace *t, const saltus_solution *s, double ahead, const char *reason,
-                               saltus_message *message) {
-    return saltus_trace_give(
-        t, s, (saltus_notice){.kind = SALTUS_POINT_EP, .ahead = ahead, .accuracy = NAN, .reason = reason},
-        message);
+void saltus_trace_end(saltus_trace *t, const saltus_solution *s, double ahead, const char *reason) {
+    saltus_trace_give(
+        t, s, (saltus_notice){.kind = SALTUS_POINT_EP, .ahead = ahead, .accuracy = NAN, .reason = reason});
 }
 
 /* Visit `trial` at this distance along the step and return its number of returns; -1 where there is none. */
@@ -85,17 +83,16 @@ static int returns_at(saltus_trace *t, double ahead) {
 /* The number of returns has changed from `before` at `here` to another one at `next`, the last point given
  * out. Insert a point before it wherever a return appears or vanishes: there the section's function has an
  * extremum of value zero. Bisection on the number is enough, since the flow isolates zeros to rounding. */
-static saltus_status locate_returns(saltus_trace *t, int before, saltus_message *message) {
+static void locate_returns(saltus_trace *t, int before) {
     enum { halvings = 60 };
     const double sharp = 1e-13;
     const saltus_list *queue = &t->trail->queue;
     const int last = queue->count - 1, after = t->returns;
     double low = 0;
-    saltus_status status = SALTUS_OK;
     int count = returns_at(t, 0);
     if (count != before)
-        return status;
-    while (status == SALTUS_OK && count != after && t->trail->made + 1 < t->trail->options->points) {
+        return;
+    while (t->trail->following && count != after && t->trail->made + 1 < t->trail->options->points) {
         double high = t->next->at.ahead;
         int beyond = after;
         for (int k = 0; k < halvings && high - low > sharp && beyond >= 0; k++) {
@@ -112,33 +109,28 @@ static saltus_status locate_returns(saltus_trace *t, int before, saltus_message 
         char reason[SALTUS_REASON_MAX];
         tell_returns(t, beyond, count, t->trial->value, reason);
         what.reason = reason;
-        status = saltus_solution_survey(&t->orbits, t->trial, message);
+        saltus_solution_survey(&t->orbits, t->trial, NULL);
         t->returns = beyond;
-        if (status == SALTUS_OK)
-            status = saltus_trace_give(t, t->trial, what, message);
+        saltus_trace_give(t, t->trial, what);
         low = high;
         count = beyond;
     }
     t->returns = after;
-    if (count == after && status == SALTUS_OK)
+    if (count == after)
         ((saltus_branch_point *)queue->items)[last].reason[0] = 0;
     for (int k = last; k + 1 < queue->count; k++) {
         saltus_branch_point *pair = (saltus_branch_point *)queue->items + k;
         SALTUS_SWAP(pair[0], pair[1]);
     }
-    return status;
 }
 
-saltus_status saltus_trace_accept(saltus_trace *t, bool bends, bool must, const char *reason,
-                                  saltus_message *message) {
-    saltus_status status = SALTUS_OK;
+void saltus_trace_accept(saltus_trace *t, bool bends, bool must, const char *reason) {
     if (must || saltus_trail_wants(t->trail, t->next->at.ahead)) {
         const int returns = t->returns;
-        status = saltus_trace_give(
-            t, t->next, (saltus_notice){.ahead = t->next->at.ahead, .accuracy = NAN, .reason = reason},
-            message);
-        if (status == SALTUS_OK && bends && returns >= 0 && t->returns != returns && t->trail->following)
-            status = locate_returns(t, returns, message);
+        saltus_trace_give(t, t->next,
+                          (saltus_notice){.ahead = t->next->at.ahead, .accuracy = NAN, .reason = reason});
+        if (bends && returns >= 0 && t->returns != returns && t->trail->following)
+            locate_returns(t, returns);
         saltus_trail_shown(t->trail, t->next->at.ahead);
     }
     t->trail->arclength += t->next->at.ahead;
@@ -146,9 +138,8 @@ saltus_status saltus_trace_accept(saltus_trace *t, bool bends, bool must, const 
     SALTUS_SWAP(t->here, t->next);
     if (bends)
         saltus_curve_bend(&t->next->at, &t->here->at);
-    if (status == SALTUS_OK && t->trail->following)
+    if (t->trail->following)
         saltus_solution_reframe(&t->orbits, true, false, t->here, t->trial, NULL);
-    return status;
 }
 
 void saltus_trace_archive(saltus_trace *t, saltus_archive *a) {

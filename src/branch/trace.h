@@ -1,4 +1,5 @@
-/* Private: branches of periodic orbits, one after the other.
+/* Private: branches of periodic orbits, one after the other. Lack of memory along a branch is noted in the
+ * orbits; what is found then counts for nothing, as the run ends with the step.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_TRACE_H
 #define SALTUS_BRANCH_TRACE_H
@@ -33,28 +34,25 @@ void saltus_trace_close(saltus_trace *trace);
  * those of saltus_orbit_find. */
 saltus_status saltus_trace_begin(saltus_trace *trace, int periods, const double *state,
                                  saltus_message *message);
-/* Begin a branch at a start: give out its first point, or a point that says why there is none. Errors:
- * SALTUS_NO_MEMORY. */
+/* Begin a branch at a start: give out its first point, or a point that says why there is none. Errors: those
+ * of the equations, at the first start. */
 saltus_status saltus_trace_start(saltus_trace *trace, const saltus_branch_start *start,
                                  saltus_message *message);
-/* One step along the branch under way. Errors: SALTUS_NO_MEMORY. */
+/* One step along the branch under way. Errors: those of the flow. */
 saltus_status saltus_trace_advance(saltus_trace *trace, saltus_message *message);
 /* Everything, except the trail, that later steps along the current branch depend on. */
 void saltus_trace_archive(saltus_trace *trace, saltus_archive *archive);
 
 /* For trace_begin.c and trace_step.c. Give out a surveyed solution; */
-saltus_status saltus_trace_give(saltus_trace *trace, const saltus_solution *solution, saltus_notice what,
-                                saltus_message *message);
+void saltus_trace_give(saltus_trace *trace, const saltus_solution *solution, saltus_notice what);
 /* give it out as the end of the branch; */
-saltus_status saltus_trace_end(saltus_trace *trace, const saltus_solution *solution, double ahead,
-                               const char *reason, saltus_message *message);
+void saltus_trace_end(saltus_trace *trace, const saltus_solution *solution, double ahead, const char *reason);
 /* make `next` the new `here`, giving it out as a regular point if it is far enough from the last one or
  * `must` be. `bends`: both have the same sequence, so that the curve's bend is known. */
-saltus_status saltus_trace_accept(saltus_trace *trace, bool bends, bool must, const char *reason,
-                                  saltus_message *message);
+void saltus_trace_accept(saltus_trace *trace, bool bends, bool must, const char *reason);
 /* From an orbit that grazes, `here`, to one a little beyond, `next`: give out the special points in between,
  * and that one. */
-saltus_status saltus_trace_leave_grazing(saltus_trace *trace, saltus_message *message);
+void saltus_trace_leave_grazing(saltus_trace *trace);
 
 /* In trace_join.c. Whether a solution is the orbit with these section points. */
 bool saltus_trace_same_orbit(saltus_trace *trace, const saltus_solution *solution, const saltus_lap *lap);
@@ -68,11 +66,10 @@ const saltus_breach *saltus_trace_touch(const saltus_solution *at, bool joins);
 void saltus_trace_drop_starts(saltus_trace *trace);
 /* Add both ways along the branch that the present one joins at a flip or branch point, or at the grazing of
  * orbits of half the period or, `images`, of orbits that are their own mirror images, unless branches are not
- * switched to or the place was visited on that branch. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_trace_follow_joined(saltus_trace *trace, const saltus_solution *at,
-                                         saltus_point_kind kind, double value, saltus_message *message);
-saltus_status saltus_trace_follow_grazing(saltus_trace *trace, const saltus_solution *at, bool images,
-                                          saltus_message *message);
+ * switched to or the place was visited on that branch. */
+void saltus_trace_follow_joined(saltus_trace *trace, const saltus_solution *at, saltus_point_kind kind,
+                                double value);
+void saltus_trace_follow_grazing(saltus_trace *trace, const saltus_solution *at, bool images);
 /* Whether at a special point of the present branch another one joined it earlier, whose starts on this one,
  * if they are left, are dropped. *other: the number of that branch if it has led on along this one, so that
  * this is where the present one has to end; otherwise -1. */

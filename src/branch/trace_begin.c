@@ -36,26 +36,23 @@ saltus_status saltus_trace_begin(saltus_trace *t, int periods, const double *sta
         status = saltus_sequence_make(o->flow, turns, cycle, start.state, &lap, &start.sequence, message);
     saltus_system_free(clocked);
     if (status == SALTUS_OK)
-        status = saltus_starts_add_ways(t->starts, &start, t->trail->options->direction, message);
+        saltus_starts_add_ways(t->starts, &start, t->trail->options->direction, &o->starved);
     saltus_orbit_clear(&orbit);
     saltus_lap_close(&lap);
-    return status;
+    return status == SALTUS_OK && o->starved ? saltus_branch_no_memory(message) : status;
 }
 
 /* If no branch can begin at a start that was switched to, give out one point that says why. */
-static saltus_status give_up(saltus_trace *t, const saltus_branch_start *start, const char *why,
-                             saltus_message *message) {
+static void give_up(saltus_trace *t, const saltus_branch_start *start, const char *why) {
     t->trail->following = false;
-    saltus_status status = saltus_solution_place(&t->orbits, &start->sequence, &start->parameter,
-                                                 start->state, false, t->here, NULL);
-    if (status == SALTUS_OK)
-        status = saltus_solution_survey(&t->orbits, t->here, NULL);
-    if (!start->origin || status != SALTUS_OK)
-        return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    if (saltus_solution_place(&t->orbits, &start->sequence, &start->parameter, start->state, false, t->here,
+                              NULL) != SALTUS_OK ||
+        saltus_solution_survey(&t->orbits, t->here, NULL) != SALTUS_OK || !start->origin)
+        return;
     char reason[SALTUS_REASON_MAX];
     snprintf(reason, sizeof reason, "nothing was found to follow from this %s: %.100s",
              saltus_point_word(start->origin), why);
-    return saltus_trace_end(t, t->here, 0, reason, message);
+    saltus_trace_end(t, t->here, 0, reason);
 }
 
 /* Whether a branch begins with small cycles at an equilibrium. */
@@ -98,14 +95,14 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
     double growth = 0;
     if (is_small(start)) {
         const bool hopf = start->origin == SALTUS_POINT_HB;
-        for (int k = 0; k < 4 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++)
+        for (int k = 0; k < 4 && status != SALTUS_OK; k++)
             status = saltus_orbits_noted(o, hopf ? hopf_cycle(o, start, apart[1][k], here, why)
                                                  : saltus_boundary_cycle(o, start, apart[0][k], here, why));
         return status;
     }
     const int most = start->parent < 0 ? SALTUS_CUTS_MAX : 1;
     o->equations->bold = start->parent < 0;
-    for (int cuts = 1; cuts <= most && status != SALTUS_OK && status != SALTUS_NO_MEMORY; cuts *= 2) {
+    for (int cuts = 1; cuts <= most && status != SALTUS_OK; cuts *= 2) {
         if (cuts > 1)
             saltus_sequence_turn(&start->sequence, start->sequence.base, cuts, &sequence, NULL);
         status =
@@ -124,30 +121,26 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
 
 /* Give out the first point of a branch as a regular point, and again as UZ if it lies at a requested value.
  * Keep its section points, to notice when the branch comes back to it. */
-static saltus_status give_first(saltus_trace *t, const saltus_branch_start *start, saltus_message *message) {
+static void give_first(saltus_trace *t, const saltus_branch_start *start) {
     saltus_orbits *o = &t->orbits;
     const saltus_branch_options *options = t->trail->options;
     const saltus_solution *here = t->here;
     const double bound = start->heading > 0 ? t->range[1] : t->range[0];
-    saltus_status status = saltus_trace_give(t, here, (saltus_notice){.accuracy = NAN}, message);
+    saltus_trace_give(t, here, (saltus_notice){.accuracy = NAN});
     t->trail->regular = 1;
-    for (int k = 0; k < options->value_count && status == SALTUS_OK && t->trail->following; k++)
+    for (int k = 0; k < options->value_count && t->trail->following; k++)
         if (options->values[k] == here->value)
-            status = saltus_trace_give(t, here, (saltus_notice){.kind = SALTUS_POINT_UZ}, message);
-    if (status == SALTUS_OK && start->heading && here->parameter[0] == bound && t->trail->following)
-        status = saltus_trace_give(
-            t, here, (saltus_notice){.kind = SALTUS_POINT_EP, .reason = saltus_range_ends}, message);
+            saltus_trace_give(t, here, (saltus_notice){.kind = SALTUS_POINT_UZ});
+    if (start->heading && here->parameter[0] == bound && t->trail->following)
+        saltus_trace_give(t, here, (saltus_notice){.kind = SALTUS_POINT_EP, .reason = saltus_range_ends});
     t->first_value = here->value;
-    if (status == SALTUS_OK)
-        status = saltus_orbits_tune(o, here->parameter, here->sequence.omega, message);
-    if (status != SALTUS_OK)
-        return status;
+    if (saltus_orbits_tune(o, here->parameter, here->sequence.omega, NULL) != SALTUS_OK)
+        return;
     if (here->sequence.omega > 0)
         saltus_cycle_around(o, here, &t->first);
     else
         saltus_orbits_noted(
             o, saltus_lap_around(&t->first, o->flow, here->survey.lap.points, here->sequence.periods, NULL));
-    return SALTUS_OK;
 }
 
 saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *start, saltus_message *message) {
@@ -158,30 +151,30 @@ saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *sta
     t->returns = -1;
     t->births.count = 0;
     saltus_lap_close(&t->first);
-    if (start->origin == SALTUS_POINT_GR)
-        return saltus_change_pass(o, &start->sequence, &start->parameter, start->state, NULL, t->here,
-                                  t->next)
-                   ? saltus_trace_leave_grazing(t, message)
-                   : give_up(t, start, "the flow follows no such orbit", message);
+    if (start->origin == SALTUS_POINT_GR) {
+        if (saltus_change_pass(o, &start->sequence, &start->parameter, start->state, NULL, t->here, t->next))
+            saltus_trace_leave_grazing(t);
+        else
+            give_up(t, start, "the flow follows no such orbit");
+        return SALTUS_OK;
+    }
     saltus_status status = place_first(t, start, &why);
     if (status == SALTUS_OK)
         status = saltus_solution_survey(o, t->here, &why);
-    if (status == SALTUS_NO_MEMORY)
-        return saltus_branch_no_memory(message);
-    if (status != SALTUS_OK && small)
-        return give_up(t, start, why.text, message);
-    if (status != SALTUS_OK && start->parent < 0)
+    if (status != SALTUS_OK && start->parent < 0 && !small)
         return saltus_fail(message, status, "no branch begins at this orbit: %.200s", why.text);
     if (status != SALTUS_OK) {
         t->trail->following = false;
+        if (small)
+            give_up(t, start, why.text);
         return SALTUS_OK;
     }
     if (start->unknowns && !small)
         memcpy(t->here->at.tangent, start->tangent, (size_t)start->unknowns * sizeof *start->tangent);
     else if (!small)
         saltus_solution_head(t->here, start->heading);
-    status = give_first(t, start, message);
-    if (status == SALTUS_OK && !start->unknowns)
+    give_first(t, start);
+    if (!start->unknowns)
         saltus_solution_reframe(o, true, false, t->here, t->trial, NULL);
-    return status;
+    return SALTUS_OK;
 }

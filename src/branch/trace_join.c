@@ -93,40 +93,38 @@ bool saltus_trace_was_joined(saltus_trace *t, const saltus_solution *s, saltus_p
 
 /* Add starts on the branch joined at a place where it has not been followed. `start` has what they have in
  * common; they differ in the tangent's direction or, at grazing, in the sequence, of which there are two. */
-static saltus_status add_joined(saltus_trace *t, const saltus_solution *orbit, saltus_branch_start *start,
-                                const saltus_sequence *sequences, double value, saltus_message *message) {
+static void add_joined(saltus_trace *t, const saltus_solution *orbit, saltus_branch_start *start,
+                       const saltus_sequence *sequences, double value) {
     saltus_lap lap = {0};
-    const saltus_orbits *o = &t->orbits;
+    saltus_orbits *o = &t->orbits;
     const int periods = start->sequence.periods;
     int count;
-    saltus_status status = SALTUS_OK;
-    const double *points = section_points(&t->orbits, orbit, &lap, &count);
+    const double *points = section_points(o, orbit, &lap, &count);
     if (points &&
         !saltus_trail_find(t->trail, o->system, start->origin, periods, value, points, count, false, NULL)) {
         start->place =
-            saltus_trail_join(t->trail, o->system, start->origin, periods, value, points, &t->orbits.starved);
+            saltus_trail_join(t->trail, o->system, start->origin, periods, value, points, &o->starved);
         if (!sequences)
-            status = saltus_starts_add_ways(t->starts, start, 0, message);
-        for (int k = 0; k < 2 && sequences && status == SALTUS_OK; k++) {
+            saltus_starts_add_ways(t->starts, start, 0, &o->starved);
+        for (int k = 0; k < 2 && sequences; k++) {
             start->sequence = sequences[k];
-            status = saltus_starts_add(t->starts, start, message);
+            saltus_starts_add(t->starts, start, &o->starved);
         }
     }
     saltus_lap_close(&lap);
-    return status;
 }
 
-saltus_status saltus_trace_follow_joined(saltus_trace *t, const saltus_solution *at, saltus_point_kind kind,
-                                         double value, saltus_message *message) {
-    const saltus_orbits *o = &t->orbits;
+void saltus_trace_follow_joined(saltus_trace *t, const saltus_solution *at, saltus_point_kind kind,
+                                double value) {
+    saltus_orbits *o = &t->orbits;
     saltus_branch_start start = saltus_trail_leaving(t->trail);
     saltus_orbits own = {.family = o->family, .origin = o->origin, .options = o->options};
     saltus_solution between = {.value = 0};
     if (!saltus_trail_switches(t->trail))
-        return SALTUS_OK;
+        return;
     saltus_status status = saltus_orbits_open(&own, NULL);
     if (status == SALTUS_OK)
-        status = saltus_special_between(&t->orbits, &own, at, kind == SALTUS_POINT_BP, &between);
+        status = saltus_special_between(o, &own, at, kind == SALTUS_POINT_BP, &between);
     if (status == SALTUS_OK)
         status = saltus_solution_walk(&own, &between, NULL);
     if (status == SALTUS_OK && between.survey.walked) {
@@ -136,21 +134,19 @@ saltus_status saltus_trace_follow_joined(saltus_trace *t, const saltus_solution 
         start.unknowns = between.at.unknowns;
         memcpy(start.tangent, between.at.tangent, (size_t)start.unknowns * sizeof *start.tangent);
         start.origin = kind;
-        status = add_joined(t, &between, &start, NULL, value, message);
+        add_joined(t, &between, &start, NULL, value);
     }
-    const bool starved = status == SALTUS_NO_MEMORY || own.starved;
+    o->starved |= status == SALTUS_NO_MEMORY || own.starved;
     saltus_solution_clear(&between);
     saltus_orbits_close(&own);
-    return starved ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
-saltus_status saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, bool images,
-                                          saltus_message *message) {
+void saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, bool images) {
     const double little = 1e-6;
     saltus_branch_start start = saltus_trail_leaving(t->trail);
     saltus_sequence changed, sequences[2];
     if (!saltus_trail_switches(t->trail))
-        return SALTUS_OK;
+        return;
     /* Without the impact in either half, and with it in both. */
     for (int k = 0; k < 2; k++) {
         const saltus_breach_kind kind = k ? SALTUS_BREACH_GAP : SALTUS_BREACH_SPEED;
@@ -169,10 +165,10 @@ saltus_status saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution
         saltus_sequence_turn(&changed, changed.base, 1, &sequences[k], NULL);
     }
     if (sequences[0].count == sequences[1].count)
-        return SALTUS_OK;
+        return;
     start.sequence = sequences[0];
     start.parameter = at->parameter[0];
     memcpy(start.state, at->state, sizeof start.state);
     start.origin = SALTUS_POINT_GR;
-    return add_joined(t, at, &start, sequences, at->value, message);
+    add_joined(t, at, &start, sequences, at->value);
 }

@@ -15,70 +15,60 @@
 #include <string.h>
 
 /* End the branch at a solution on a border of the range, with the exact value of the border. */
-static saltus_status end_at_border(saltus_trace *t, saltus_solution *s, double ahead,
-                                   saltus_message *message) {
+static void end_at_border(saltus_trace *t, saltus_solution *s, double ahead) {
     s->value = s->parameter[0] == t->range[1] ? t->trail->options->high[0] : t->trail->options->low[0];
-    return saltus_trace_end(t, s, ahead, saltus_range_ends, message);
+    saltus_trace_end(t, s, ahead, saltus_range_ends);
 }
 
-/* End the branch, and set *ended, at a solution so close to a border of the range that rounding hides the
- * others up to there, as where a stop leaves no room and all motion ends. It gets the exact value of the
- * border if the parameter may have it. */
-static saltus_status end_by_border(saltus_trace *t, saltus_solution *s, bool *ended,
-                                   saltus_message *message) {
+/* End the branch at a solution, if it is so close to a border of the range that rounding hides the others up
+ * to there, as where a stop leaves no room and all motion ends. It gets the exact value of the border if the
+ * parameter may have it. */
+static bool end_by_border(saltus_trace *t, saltus_solution *s) {
     const double close = 1e-8;
     const int side = s->parameter[0] > 0.5 * (t->range[0] + t->range[1]);
     saltus_system *system = NULL;
-    *ended = fabs(s->parameter[0] - t->range[side]) < close;
-    if (!*ended)
-        return SALTUS_OK;
+    if (!(fabs(s->parameter[0] - t->range[side]) < close))
+        return false;
     const saltus_spec spec = saltus_family_spec(&t->orbits.family, &t->range[side], s->sequence.omega);
-    const saltus_status status = saltus_system_new(&spec, &system, NULL);
-    saltus_system_free(system);
-    if (status == SALTUS_NO_MEMORY)
-        return saltus_branch_no_memory(message);
-    if (status == SALTUS_OK)
+    if (saltus_orbits_noted(&t->orbits, saltus_system_new(&spec, &system, NULL)) == SALTUS_OK)
         s->value = side ? t->trail->options->high[0] : t->trail->options->low[0];
-    return saltus_trace_end(t, s, s->at.ahead, saltus_range_ends, message);
+    saltus_system_free(system);
+    saltus_trace_end(t, s, s->at.ahead, saltus_range_ends);
+    return true;
 }
 
 /* Keep the branches that leave at `at` for later. */
-static saltus_status add_starts(saltus_trace *t, const saltus_solution *at, saltus_point_kind kind,
-                                const saltus_sequence *beyond, saltus_message *message) {
+static void add_starts(saltus_trace *t, const saltus_solution *at, saltus_point_kind kind,
+                       const saltus_sequence *beyond) {
     saltus_trail *trail = t->trail;
     const saltus_branch_start like = saltus_trail_leaving(trail);
     saltus_message why = {.text = ""};
     if (!saltus_trail_switches(trail))
-        return SALTUS_OK;
-    saltus_status status = kind == SALTUS_POINT_GR
-                               ? saltus_starts_graze(at, beyond, &like, t->starts, &why)
-                               : saltus_starts_leave(&t->orbits, at, kind, &like, t->starts, &why);
-    if (status == SALTUS_NO_MEMORY)
-        return saltus_branch_no_memory(message);
-    if (status != SALTUS_OK)
+        return;
+    if (kind == SALTUS_POINT_GR)
+        saltus_starts_graze(at, beyond, &like, t->starts, &t->orbits.starved);
+    else if (saltus_orbits_noted(
+                 &t->orbits, saltus_starts_leave(&t->orbits, at, kind, &like, t->starts, &why)) != SALTUS_OK)
         snprintf(saltus_trail_last(trail)->reason, SALTUS_REASON_MAX,
                  "not switched to what leaves here: %.120s", why.text);
-    return SALTUS_OK;
 }
 
 /* The requested locus begins at `at`; no more of this branch is needed. */
-static saltus_status find(saltus_trace *t, const saltus_solution *at) {
+static void find(saltus_trace *t, const saltus_solution *at) {
     t->found = at;
     t->trail->following = false;
-    return SALTUS_OK;
 }
 
 /* At the parameter value of the branch's first orbit: if `s` is that orbit, the branch is closed and ends. */
-static saltus_status give_return(saltus_trace *t, const saltus_solution *s, saltus_notice what,
-                                 saltus_message *message) {
+static void give_return(saltus_trace *t, const saltus_solution *s, saltus_notice what) {
     if (!saltus_trace_same_orbit(t, s, &t->first))
-        return SALTUS_OK;
+        return;
     /* The other direction from the same start leads around the same branch. */
     if (t->starts->begun == 1 && t->starts->count > 0 && t->starts->start[0].heading)
         saltus_starts_take(t->starts);
     what.kind = SALTUS_POINT_EP;
     what.reason = "the branch is closed: it has come back";
-    return saltus_trace_give(t, s, what, message);
+    saltus_trace_give(t, s, what);
 }
 
 /* At a pitchfork the parameter turns back exactly where the other branch crosses. Of a fold and a branch
@@ -103,52 +93,46 @@ static bool is_start(const saltus_trace *t, const saltus_special *special) {
 }
 
 /* An end that another branch may share: give it out as the special point that it is, and then as the end. */
-static saltus_status give_shared_end(saltus_trace *t, const saltus_solution *at, saltus_notice what,
-                                     saltus_message *message) {
+static void give_shared_end(saltus_trace *t, const saltus_solution *at, saltus_notice what) {
     char reason[SALTUS_REASON_MAX];
-    saltus_status status = SALTUS_OK;
     if (what.kind == SALTUS_POINT_PD || what.kind == SALTUS_POINT_BP)
-        status = saltus_trace_follow_joined(t, at, what.kind, what.value, message);
-    if (status == SALTUS_OK)
-        status = saltus_trace_give(t, at, what, message);
-    if (status != SALTUS_OK || !t->trail->following)
-        return status;
+        saltus_trace_follow_joined(t, at, what.kind, what.value);
+    saltus_trace_give(t, at, what);
+    if (!t->trail->following)
+        return;
     saltus_trace_drop_starts(t);
     if (what.kind == SALTUS_POINT_HB) {
-        status = saltus_cycle_tell_shrinking(&t->orbits, at, reason, message);
+        saltus_cycle_tell_shrinking(&t->orbits, at, reason);
         what.reason = reason;
     }
     what.kind = SALTUS_POINT_EP;
-    return status == SALTUS_OK ? saltus_trace_give(t, at, what, message) : status;
+    saltus_trace_give(t, at, what);
 }
 
-/* `trial` becomes the orbit at a special point of the step from `here` to `next`; *is_one: whether it is one.
- * Where cycles shrink to an equilibrium it is the Hopf point; if that was not found, the end says only that
- * they shrink. */
-static saltus_status visit_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special,
-                                   bool *is_one, saltus_message *message) {
+/* `trial` becomes the orbit at a special point of the step from `here` to `next`. False if it is none. Where
+ * cycles shrink to an equilibrium it is the Hopf point; if that was not found, the end says only that they
+ * shrink. */
+static bool visit_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special) {
     saltus_orbits *o = &t->orbits;
-    const saltus_shrunk *shrunk = &hopf->shrunk;
-    saltus_status status = SALTUS_OK;
+    bool is_one = hopf->is_one;
     if (special->kind != SALTUS_POINT_HB) {
-        status = saltus_special_visit(o, t->here, t->next->at.ahead, special, t->trial, is_one, message);
-    } else if ((*is_one = hopf->is_one)) {
+        is_one = saltus_special_visit(o, t->here, t->next->at.ahead, special, t->trial);
+    } else if (is_one) {
         SALTUS_SWAP(t->trial, t->other);
-        if (shrunk->found)
-            status = saltus_cycle_shrink(o, shrunk, t->trial, message);
-        special->kind = shrunk->found ? SALTUS_POINT_HB : SALTUS_POINT_EP;
+        const bool found =
+            hopf->shrunk.found && saltus_cycle_shrink(o, &hopf->shrunk, t->trial, NULL) == SALTUS_OK;
+        special->kind = found ? SALTUS_POINT_HB : SALTUS_POINT_EP;
         special->value = t->trial->value;
-        special->accuracy = shrunk->found ? o->family.unit[0] * shrunk->accuracy : NAN;
+        special->accuracy = found ? o->family.unit[0] * hopf->shrunk.accuracy : NAN;
     }
-    return status == SALTUS_OK && *is_one ? saltus_cycle_folds(o, t->here, special, t->trial, is_one, message)
-                                          : status;
+    return is_one && saltus_cycle_folds(o, t->here, special, t->trial);
 }
 
 /* Give out a point where other branches leave, and keep these for later; `beyond`: the sequence beyond
  * grazing. Where a branch that has been followed joins this one, there are no others; if it has led on along
  * this one, the branch ends. */
-static saltus_status give_branching(saltus_trace *t, const saltus_solution *at, saltus_notice what,
-                                    const saltus_sequence *beyond, saltus_message *message) {
+static void give_branching(saltus_trace *t, const saltus_solution *at, saltus_notice what,
+                           const saltus_sequence *beyond) {
     char reason[SALTUS_REASON_MAX];
     int other = -1;
     const double value = what.value != 0 ? what.value : at->value;
@@ -161,69 +145,68 @@ static saltus_status give_branching(saltus_trace *t, const saltus_solution *at, 
         what.reason = reason;
         what.addition = NULL;
     }
-    saltus_status status = saltus_trace_give(t, at, what, message);
-    return status == SALTUS_OK && branches && !known ? add_starts(t, at, what.kind, beyond, message) : status;
+    saltus_trace_give(t, at, what);
+    if (branches && !known)
+        add_starts(t, at, what.kind, beyond);
 }
 
 /* Give out one special point of the step from `here` to `next`. */
-static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special,
-                                  saltus_message *message) {
-    bool is_one;
-    saltus_status status = visit_special(t, hopf, special, &is_one, message);
+static void give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special) {
+    const bool is_one = visit_special(t, hopf, special);
     /* Where nothing is lost at the end of the range, as where r = 1, pairs come to the circle but do not
      * cross it: rounding decides on which side they are. */
     const double place = t->trial->parameter[0];
     const bool at_border = fmin(fabs(place - t->range[0]), fabs(place - t->range[1])) < saltus_at_border;
-    if (status != SALTUS_OK || !is_one || (special->kind == SALTUS_POINT_NS && at_border) ||
-        is_start(t, special))
-        return status;
+    if (!is_one || (special->kind == SALTUS_POINT_NS && at_border) || is_start(t, special))
+        return;
     if (t->trail->options->locus && t->trail->options->locus == special->kind &&
-        (!special->end || special->kind == SALTUS_POINT_HB))
-        return find(t, t->trial);
+        (!special->end || special->kind == SALTUS_POINT_HB)) {
+        find(t, t->trial);
+        return;
+    }
     const saltus_notice what = {.kind = special->kind,
                                 .ahead = special->ahead,
                                 .accuracy = special->accuracy,
                                 .reason = special->end,
                                 .value = special->value};
-    if (special->kind == SALTUS_POINT_REGULAR)
-        return give_return(t, t->trial, what, message);
     saltus_branch_point *last = saltus_trail_last(t->trail);
     if (last && is_pitchfork(last, special, t->trail->arclength + special->ahead)) {
         if (special->kind == SALTUS_POINT_LP)
-            return status;
+            return;
         saltus_trail_drop_last(t->trail);
     }
-    if (special->end)
-        return give_shared_end(t, t->trial, what, message);
-    return give_branching(t, t->trial, what, NULL, message);
+    if (special->kind == SALTUS_POINT_REGULAR)
+        give_return(t, t->trial, what);
+    else if (special->end)
+        give_shared_end(t, t->trial, what);
+    else
+        give_branching(t, t->trial, what, NULL);
 }
 
 /* A step may leap from one curve to another where these turn sharply beside one another. They then seem to
- * cross, although no orbit there is a branch point. *again: they do, or special points cannot be reached or
- * may be `hidden`, and shorter steps may tell. */
-static saltus_status seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const saltus_special *specials,
-                               int count, bool hidden, bool *again, saltus_message *message) {
+ * cross, although no orbit there is a branch point. Whether they do, or special points cannot be reached or
+ * may be `hidden`, so that the step is to be repeated with a shorter one, which may tell. */
+static bool seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const saltus_special *specials,
+                      int count, bool hidden) {
     const double least = 1e-5, short_enough = 1e-3;
-    saltus_status status = SALTUS_OK;
-    *again = hidden && t->next->at.ahead > short_enough;
-    for (int k = 0; k < count && status == SALTUS_OK && !*again && t->next->at.ahead > least; k++) {
+    bool again = hidden && t->next->at.ahead > short_enough;
+    for (int k = 0; k < count && !again && t->next->at.ahead > least; k++) {
         saltus_special special = specials[k];
         bool is_one = true;
         if (special.kind == SALTUS_POINT_BP)
-            status = visit_special(t, hopf, &special, &is_one, message);
+            is_one = visit_special(t, hopf, &special);
         else if (special.kind != SALTUS_POINT_HB)
             is_one = saltus_solution_visit(&t->orbits, t->here, special.ahead, t->trial, NULL) == SALTUS_OK;
-        *again = !is_one || (special.kind == SALTUS_POINT_BP && !isfinite(special.accuracy));
+        again = !is_one || (special.kind == SALTUS_POINT_BP && !isfinite(special.accuracy));
     }
-    if (*again)
+    if (again)
         t->trail->step = 0.5 * t->next->at.ahead;
-    return status;
+    return again;
 }
 
-/* Give out all special points of the step from `here` to `next`, in order; *again: the step is to be repeated
- * instead, with a shorter one (NULL: it cannot be). */
-static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, bool *again,
-                                   saltus_message *message) {
+/* Give out all special points of the step from `here` to `next`, in order; or, if it `may_repeat`, return
+ * false: the step is to be repeated instead, with a shorter one. */
+static bool give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, bool may_repeat) {
     const saltus_branch_options *options = t->trail->options;
     saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 10];
     double targets[SALTUS_BRANCH_VALUES_MAX + 1];
@@ -241,12 +224,11 @@ static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hop
     const int count = saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
                                           hopf->found ? &hopf->special : NULL, targets, kinds, asked,
                                           specials, &hidden, t->trial);
-    saltus_status status = again ? seek_leap(t, hopf, specials, count, hidden, again, message) : SALTUS_OK;
-    if (status != SALTUS_OK || (again && *again))
-        return status;
-    for (int k = 0; k < count && status == SALTUS_OK && t->trail->following; k++)
-        status = give_special(t, hopf, &specials[k], message);
-    return status;
+    if (may_repeat && seek_leap(t, hopf, specials, count, hidden))
+        return false;
+    for (int k = 0; k < count && t->trail->following; k++)
+        give_special(t, hopf, &specials[k]);
+    return true;
 }
 
 /* The notice of a change of events, at this distance and parameter value. */
@@ -261,65 +243,58 @@ static saltus_notice notice_of(const saltus_change *change, double ahead, double
 }
 
 /* Give out the change at `trial`, unless it is REGULAR; `spare`, this far along, becomes `here`. */
-static saltus_status go_over(saltus_trace *t, saltus_notice what, double distance, saltus_message *message) {
-    saltus_status status = SALTUS_OK;
+static void go_over(saltus_trace *t, saltus_notice what, double distance) {
     if (what.kind != SALTUS_POINT_REGULAR)
-        status = saltus_trace_give(t, t->trial, what, message);
-    if (status != SALTUS_OK || !t->trail->following)
-        return status;
+        saltus_trace_give(t, t->trial, what);
+    if (!t->trail->following)
+        return;
     saltus_trail_jump(t->trail, distance);
     t->spare->at.ahead = 0;
     SALTUS_SWAP(t->here, t->spare);
-    status = saltus_trace_give(t, t->here, (saltus_notice){.accuracy = NAN}, message);
+    saltus_trace_give(t, t->here, (saltus_notice){.accuracy = NAN});
     t->trail->regular++;
-    return status;
 }
 
-/* Where births of impacts accumulate, continue the branch beyond them with complete chatter; *completes:
- * whether such orbits were found; `far` as for saltus_change_complete. */
-static saltus_status complete_run(saltus_trace *t, bool far, bool *completes, saltus_message *message) {
+/* Where births of impacts accumulate, continue the branch beyond them with complete chatter. False if no such
+ * orbits were found; `far` as for saltus_change_complete. */
+static bool complete_run(saltus_trace *t, bool far) {
     saltus_change change;
     double limit, rest;
-    *completes = saltus_births_accumulate(&t->births, &limit, &rest) &&
-                 saltus_change_complete(&t->orbits, t->here, limit, rest, far, t->range, t->trial, t->spare,
-                                        t->other, &change);
-    if (!*completes)
-        return saltus_shooting_shape(t->orbits.shooting, &t->here->sequence, message);
+    const bool completes = saltus_births_accumulate(&t->births, &limit, &rest) &&
+                           saltus_change_complete(&t->orbits, t->here, limit, rest, far, t->range, t->trial,
+                                                  t->spare, t->other, &change);
+    if (!completes) {
+        saltus_orbits_reshape(&t->orbits, t->here);
+        return false;
+    }
     t->births.count = 0;
-    return go_over(t, notice_of(&change, 0, 0), change.distance, message);
+    go_over(t, notice_of(&change, 0, 0), change.distance);
+    return true;
 }
 
 /* Leap over a change of events that only the event-driven flow sees, somewhere before `ahead`. */
-static saltus_status leap(saltus_trace *t, double ahead, saltus_leap kind, const char *why,
-                          saltus_message *message) {
+static void leap(saltus_trace *t, double ahead, saltus_leap kind, const char *why) {
     saltus_change change;
-    saltus_status status = SALTUS_OK;
     for (int pass = 0; pass < 2; pass++) {
-        bool completes = false;
         saltus_change_leap(&t->orbits, t->here, ahead, kind, why, t->range, t->trial, t->spare, t->other,
                            &change);
         if (pass || change.kind != SALTUS_POINT_EP || t->births.count < saltus_births_length)
             break;
         /* Rounding may hide the last births before chatter completes. If this fails the leap is repeated,
          * since the attempt has overwritten its result. */
-        status = complete_run(t, true, &completes, message);
-        if (status != SALTUS_OK || completes)
-            return status;
+        if (complete_run(t, true))
+            return;
     }
-    if (isnan(change.accuracy))
-        return saltus_trace_end(t, t->here, 0, why, message);
-    if (change.at_border)
-        return end_at_border(t, t->spare, t->trial->at.ahead, message);
-    if (change.kind == SALTUS_POINT_EP && kind == SALTUS_LEAP_EVENTS) {
-        bool ended;
-        status = end_by_border(t, t->trial, &ended, message);
-        if (ended || status != SALTUS_OK)
-            return status;
-    }
+    const bool ends = change.kind == SALTUS_POINT_EP;
     saltus_notice what = notice_of(&change, t->trial->at.ahead, change.value);
-    if (change.kind == SALTUS_POINT_EP)
+    if (ends)
         what.addition = "; beyond it no orbit of this period was found";
-    return go_over(t, what, t->trial->at.ahead + change.distance, message);
+    if (isnan(change.accuracy))
+        saltus_trace_end(t, t->here, 0, why);
+    else if (change.at_border)
+        end_at_border(t, t->spare, t->trial->at.ahead);
+    else if (!(ends && kind == SALTUS_LEAP_EVENTS && end_by_border(t, t->trial)))
+        go_over(t, what, t->trial->at.ahead + change.distance);
 }
 
 /* Whether an orbit grazes at the end of a run of impacts with hardly any speed: chatter almost completes. */
@@ -334,19 +309,16 @@ static bool ends_run(const saltus_solution *s) {
     return false;
 }
 
-saltus_status saltus_trace_leave_grazing(saltus_trace *t, saltus_message *message) {
+void saltus_trace_leave_grazing(saltus_trace *t) {
     saltus_hopf_ahead hopf;
-    bool misses;
-    saltus_status status =
-        saltus_cycle_seek_hopf(&t->orbits, t->here, t->next, t->other, t->trial, &hopf, &misses, message);
-    if (status == SALTUS_OK)
-        status = give_specials(t, &hopf, NULL, message);
-    return status == SALTUS_OK && t->trail->following ? saltus_trace_accept(t, true, false, NULL, message)
-                                                      : status;
+    saltus_cycle_seek_hopf(&t->orbits, t->here, t->next, t->other, t->trial, &hopf);
+    give_specials(t, &hopf, false);
+    if (t->trail->following)
+        saltus_trace_accept(t, true, false, NULL);
 }
 
 /* Beyond grazing at `next`, to a point a little further on. */
-static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *message) {
+static void graze(saltus_trace *t, double accuracy) {
     saltus_orbits *o = &t->orbits;
     saltus_solution *at = t->next;
     saltus_sequence beyond;
@@ -356,61 +328,60 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
     bool doubled;
     const bool images = saltus_trace_joins_images(t, at);
     const double apart = saltus_solution_half_distance(o, at, false);
-    bool completes,
-        joins = images || (apart < 1e-4 && apart < 0.05 * saltus_solution_half_distance(o, t->here, false));
+    const bool joins =
+        images || (apart < 1e-4 && apart < 0.05 * saltus_solution_half_distance(o, t->here, false));
     what.grazing = saltus_trace_touch(at, joins);
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
-    saltus_status status = saltus_change_graze(o, at, &beyond, t->spare, t->trial, &change, message);
-    if (status != SALTUS_OK)
-        return status;
+    saltus_change_graze(o, at, &beyond, t->spare, t->trial, &change);
     /* Rounding hides further impacts: leap to where chatter is complete. */
     if (change.kind == SALTUS_POINT_EP && !joins && (!change.reason || ends_run(at))) {
-        status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
-        return status == SALTUS_OK ? leap(t, 2 * at->at.ahead, SALTUS_LEAP_RUN,
-                                          "grazings follow one another ever more closely", message)
-                                   : status;
+        saltus_orbits_reshape(o, t->here);
+        leap(t, 2 * at->at.ahead, SALTUS_LEAP_RUN, "grazings follow one another ever more closely");
+        return;
     }
     if (t->trail->options->locus == SALTUS_POINT_GR && !joins && !saltus_change_in_family(o, at, &doubled)) {
         t->beyond = beyond;
-        return find(t, at);
+        find(t, at);
+        return;
     }
     bool goes_on = change.kind == SALTUS_POINT_GR && !joins;
     what.reason = joins ? NULL : change.reason;
     what.after = goes_on ? change.after : NULL;
     what.addition = goes_on && change.turns_back ? "; the branch turns back (non-smooth fold)" : NULL;
-    status = joins ? saltus_trace_follow_grazing(t, at, images, message)
-                   : give_branching(t, at, what, &beyond, message);
-    if (joins && status == SALTUS_OK)
-        status = saltus_trace_give(t, at, what, message);
-    if (status != SALTUS_OK || !t->trail->following)
-        return status;
+    if (joins) {
+        saltus_trace_follow_grazing(t, at, images);
+        saltus_trace_give(t, at, what);
+    } else {
+        give_branching(t, at, what, &beyond);
+    }
+    if (!t->trail->following)
+        return;
     if (joins)
         saltus_trace_drop_starts(t);
-    if (!goes_on)
-        return saltus_trace_end(t, at, at->at.ahead,
-                                images  ? "joins the orbits that are their own mirror images at their grazing"
-                                : joins ? "joins the orbits of half the period at their grazing"
-                                        : "grazing: no orbit of this period goes on with other events",
-                                message);
+    if (!goes_on) {
+        saltus_trace_end(t, at, at->at.ahead,
+                         images  ? "joins the orbits that are their own mirror images at their grazing"
+                         : joins ? "joins the orbits of half the period at their grazing"
+                                 : "grazing: no orbit of this period goes on with other events");
+        return;
+    }
     t->trail->arclength += at->at.ahead;
     saltus_births_note(&t->births, beyond.count > at->sequence.count, at->parameter[0]);
     SALTUS_SWAP(t->here, t->spare);
     SALTUS_SWAP(t->next, t->trial);
     t->trail->step = fmax(t->next->at.ahead, 0.25 * t->trail->step);
-    status = saltus_trace_leave_grazing(t, message);
-    return status == SALTUS_OK && t->trail->following && t->births.count == saltus_births_length
-               ? complete_run(t, false, &completes, message)
-               : status;
+    saltus_trace_leave_grazing(t);
+    if (t->trail->following && t->births.count == saltus_births_length)
+        complete_run(t, false);
 }
 
 /* Accept a step without breach. Changes of contacts where the sequence is left to the flow are located; of
  * the many impacts in the tail of a long run, which come and go all the time, only the number is given. */
-static saltus_status settle(saltus_trace *t, saltus_message *message) {
+static void settle(saltus_trace *t) {
     const saltus_survey *before = &t->here->survey, *after = &t->next->survey;
     bool known = before->label[0], same = !known || strcmp(before->label, after->label) == 0;
     bool chatter = known && (before->impacts < 0) != (after->impacts < 0);
     saltus_change change = {.kind = SALTUS_POINT_REGULAR};
-    saltus_status status = SALTUS_OK;
     if ((chatter || (known && before->sticking_intervals != after->sticking_intervals)) &&
         !saltus_change_within(&t->orbits, t->here, t->next, t->trial, &change))
         change.kind = SALTUS_POINT_REGULAR;
@@ -423,11 +394,10 @@ static saltus_status settle(saltus_trace *t, saltus_message *message) {
         SALTUS_SWAP(t->next, t->spare);
     }
     if (change.kind != SALTUS_POINT_REGULAR)
-        status = saltus_trace_give(t, t->trial, what, message);
-    if (status != SALTUS_OK || !t->trail->following)
-        return status;
-    return saltus_trace_accept(t, !retraced, !same,
-                               same ? NULL : "impacts in the tail of a long run come or go", message);
+        saltus_trace_give(t, t->trial, what);
+    if (t->trail->following)
+        saltus_trace_accept(t, !retraced, !same,
+                            same ? NULL : "impacts in the tail of a long run come or go");
 }
 
 /* The length of a shorter step that ends on an orbit with a breach although `next` has none, as on a border
@@ -445,13 +415,14 @@ static double hidden_breach(saltus_trace *t) {
     return 0;
 }
 
-/* End the branch of cycles at `at`, and set *ended, if the period changes while the parameter stands still,
- * as at a homoclinic orbit, or if the branch was `lost` in such a place. */
-static saltus_status end_at_saddle(saltus_trace *t, const saltus_solution *at, double ahead, bool lost,
-                                   bool *ended, saltus_message *message) {
+/* End the branch of cycles at `at` if the period changes while the parameter stands still, as at a homoclinic
+ * orbit, or if the branch was `lost` in such a place. */
+static bool end_at_saddle(saltus_trace *t, const saltus_solution *at, double ahead, bool lost) {
     char reason[SALTUS_REASON_MAX];
-    saltus_status status = saltus_cycle_tell_saddle(&t->orbits, at, lost, ended, reason, message);
-    return status == SALTUS_OK && *ended ? saltus_trace_end(t, at, ahead, reason, message) : status;
+    const bool ends = saltus_cycle_tell_saddle(&t->orbits, at, lost, reason);
+    if (ends)
+        saltus_trace_end(t, at, ahead, reason);
+    return ends;
 }
 
 /* Whether a forced orbit along which the parameter stands still is isolated all the same: all its multipliers
@@ -462,60 +433,52 @@ static bool is_sensitive(const saltus_solution *s) {
            s->survey.unstable == 0 && hypot(s->survey.multipliers[0].re, s->survey.multipliers[0].im) < 0.9;
 }
 
-/* End the branch on the step to `next`, and set *ended, where cycles with impacts shrink to an equilibrium on
- * a stop, where two equilibria are born on the cycles, or where the parameter stands still, in a family of
- * orbits or near a saddle. */
-static saltus_status find_end(saltus_trace *t, bool *ended, saltus_message *message) {
+/* End the branch on the step to `next` where cycles with impacts shrink to an equilibrium on a stop, where
+ * two equilibria are born on the cycles, or where the parameter stands still, in a family of orbits or near a
+ * saddle. */
+static bool find_end(saltus_trace *t) {
     const double still = 1e-10; /* only rounding is left */
     saltus_orbits *o = &t->orbits;
     saltus_solution *next = t->next;
-    char reason[SALTUS_REASON_MAX];
+    char reason[SALTUS_REASON_MAX] = "the orbits of one value of the parameter form a family";
     saltus_zero zero;
     double value;
-    saltus_status status = SALTUS_OK;
     if (saltus_boundary_is_near(t->here, next)) {
         if (saltus_boundary_reach(o, t->here, next, t->trial, &zero, &value)) {
-            const saltus_notice what = {.kind = SALTUS_POINT_BE,
-                                        .ahead = zero.ahead,
-                                        .accuracy = zero.accuracy,
-                                        .reason = "the orbit shrinks to an equilibrium on a stop",
-                                        .value = value,
-                                        .grazing = &t->trial->breaches[0]};
-            *ended = true;
-            status = saltus_solution_survey(o, t->trial, message);
-            return status == SALTUS_OK ? give_shared_end(t, t->trial, what, message) : status;
+            saltus_solution_survey(o, t->trial, NULL);
+            give_shared_end(t, t->trial,
+                            (saltus_notice){.kind = SALTUS_POINT_BE,
+                                            .ahead = zero.ahead,
+                                            .accuracy = zero.accuracy,
+                                            .reason = "the orbit shrinks to an equilibrium on a stop",
+                                            .value = value,
+                                            .grazing = &t->trial->breaches[0]});
+            return true;
         }
-        status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
+        saltus_orbits_reshape(o, t->here);
     }
-    *ended = false;
-    if (status == SALTUS_OK)
-        status = saltus_cycle_tell_birth(o, t->here, next, t->range, t->trail->options->key[0], ended, reason,
-                                         message);
-    if (status != SALTUS_OK)
-        return status;
-    if (*ended)
-        return saltus_trace_end(t, next, next->at.ahead, reason, message);
-    if (!(fabs(saltus_solution_heading(t->here)) < still && fabs(saltus_solution_heading(next)) < still))
-        return status;
-    *ended = saltus_cycle_of_family(next);
-    if (!*ended)
-        return end_at_saddle(t, next, next->at.ahead, false, ended, message);
-    if (is_sensitive(next)) {
-        snprintf(reason, sizeof reason, "rounding hides the parameter, on which the orbit depends %.2g-fold",
-                 1 / fabs(saltus_solution_heading(next)));
-        return saltus_trace_end(t, next, next->at.ahead, reason, message);
+    if (!saltus_cycle_tell_birth(o, t->here, next, t->range, t->trail->options->key[0], reason)) {
+        if (!(fabs(saltus_solution_heading(t->here)) < still && fabs(saltus_solution_heading(next)) < still))
+            return false;
+        if (!saltus_cycle_of_family(next))
+            return end_at_saddle(t, next, next->at.ahead, false);
+        if (is_sensitive(next))
+            snprintf(reason, sizeof reason,
+                     "rounding hides the parameter, on which the orbit depends %.2g-fold",
+                     1 / fabs(saltus_solution_heading(next)));
     }
-    return saltus_trace_end(t, next, next->at.ahead, "the orbits of one value of the parameter form a family",
-                            message);
+    saltus_trace_end(t, next, next->at.ahead, reason);
+    return true;
 }
 
-/* If all impacts of a cycle lose their speed at once, continue with the cycle without impacts: *done. */
-static saltus_status fade(saltus_trace *t, bool *done, saltus_message *message) {
+/* If all impacts of a cycle lose their speed at once, continue with the cycle without impacts. */
+static bool fade(saltus_trace *t) {
     saltus_orbits *o = &t->orbits;
-    saltus_zero zero = saltus_cycle_touches(o, t->here, t->range, t->trial, t->spare, t->other);
-    *done = zero.found && !o->starved;
-    if (!*done)
-        return saltus_shooting_shape(o->shooting, &t->here->sequence, message);
+    const saltus_zero zero = saltus_cycle_touches(o, t->here, t->range, t->trial, t->spare, t->other);
+    if (!zero.found) {
+        saltus_orbits_reshape(o, t->here);
+        return false;
+    }
     const double heading = saltus_solution_heading(t->here);
     char after[SALTUS_LABEL_MAX];
     saltus_solution_label(o, t->spare, after);
@@ -528,8 +491,9 @@ static saltus_status fade(saltus_trace *t, bool *done, saltus_message *message) 
                           .grazing = &t->trial->worst};
     t->births.count = 0;
     saltus_solution_head(t->spare, heading);
-    saltus_status status = saltus_solution_survey(o, t->trial, message);
-    return status == SALTUS_OK ? go_over(t, what, what.ahead + zero.ahead, message) : status;
+    saltus_solution_survey(o, t->trial, NULL);
+    go_over(t, what, what.ahead + zero.ahead);
+    return true;
 }
 
 /* Whether the first step of a branch, for which no bend is known yet, has led to another curve of the same
@@ -556,34 +520,29 @@ static bool jumps(saltus_trace *t) {
     return false;
 }
 
-/* *again: the step to `next` was too long to see what it passed, and is repeated with a shorter one. If it
- * cannot be shorter the branch may end. `hopf` becomes the Hopf point ahead, with its orbit as `other`. */
-static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *again,
-                               saltus_message *message) {
+/* Whether the step to `next` was too long to see what it passed, and is to be repeated with a shorter one. If
+ * it cannot be shorter the branch may end. `hopf` becomes the Hopf point ahead, with its orbit as `other`. */
+static bool look_back(saltus_trace *t, saltus_hopf_ahead *hopf) {
     const double least = 1e-5;
     saltus_orbits *o = &t->orbits;
     const bool shorter = t->next->at.ahead > least;
-    saltus_status status = SALTUS_OK;
-    *again = shorter && (saltus_special_strays(o, t->here, t->next) || (t->trail->fresh && jumps(t)));
-    if (!*again) {
-        bool misses;
-        status = saltus_cycle_seek_hopf(o, t->here, t->next, t->other, t->trial, hopf, &misses, message);
-        if (status == SALTUS_OK && misses && !shorter && !hopf->found)
-            status = saltus_trace_end(t, t->here, 0, "the curve cannot be told from the equilibria near it",
-                                      message);
-        *again = shorter && misses;
+    bool again = shorter && (saltus_special_strays(o, t->here, t->next) || (t->trail->fresh && jumps(t)));
+    if (!again) {
+        const bool misses = saltus_cycle_seek_hopf(o, t->here, t->next, t->other, t->trial, hopf);
+        if (misses && !shorter && !hopf->found)
+            saltus_trace_end(t, t->here, 0, "the curve cannot be told from the equilibria near it");
+        again = shorter && misses;
     }
     /* A touch exactly where the orbit is cut open would not be seen. */
-    const bool hides = !*again && shorter && saltus_solution_base_beyond(o, t->next);
-    if (status != SALTUS_OK || !(*again || hides))
-        return status;
-    *again = true;
+    const bool hides = !again && shorter && saltus_solution_base_beyond(o, t->next);
+    if (!again && !hides)
+        return false;
     t->trail->step = 0.5 * t->next->at.ahead;
-    if (hides)
-        status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
-    if (hides && status == SALTUS_OK)
+    if (hides) {
+        saltus_orbits_reshape(o, t->here);
         saltus_solution_reframe(o, false, true, t->here, t->trial, NULL);
-    return status;
+    }
+    return true;
 }
 
 /* `next` becomes the first orbit of the step with a breach of zero, if it is found; *reached as in
@@ -620,18 +579,14 @@ static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *re
 /* No step could be made, for this reason. If Newton's method was left with a residual that may be rounding,
  * go on from the same orbit in more segments; otherwise the branch ends here or leaps over a change of
  * events. */
-static saltus_status go_on_lost(saltus_trace *t, saltus_status reason, const char *why,
-                                saltus_message *message) {
+static void go_on_lost(saltus_trace *t, saltus_status reason, const char *why) {
     saltus_trail *trail = t->trail;
     const saltus_equations *e = t->orbits.equations;
-    bool ended;
     if (reason == SALTUS_NO_CONVERGENCE && e->size < 1e3 * e->tolerance &&
-        saltus_solution_refine(&t->orbits, t->here, t->trial, NULL)) {
+        saltus_solution_refine(&t->orbits, t->here, t->trial, NULL))
         trail->step = trail->options->step;
-        return SALTUS_OK;
-    }
-    saltus_status status = end_at_saddle(t, t->here, 0, true, &ended, message);
-    return ended || status != SALTUS_OK ? status : leap(t, 2 * trail->step, SALTUS_LEAP_LOST, why, message);
+    else if (!end_at_saddle(t, t->here, 0, true))
+        leap(t, 2 * trail->step, SALTUS_LEAP_LOST, why);
 }
 
 /* The longest step from a solution. For a cycle the states at all cuts count in the arclength; scale the step
@@ -658,59 +613,69 @@ static saltus_status step_ahead(saltus_trace *t, const saltus_curve_bound *bound
     return status;
 }
 
-saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
+/* Go on from the surveyed orbit of a step to `next`, which is a `breach` that was sought and located, or
+ * `breached` is false; `reached` as in saltus_curve_step. */
+static void go_on(saltus_trace *t, bool breached, const saltus_zero *breach, int reached,
+                  const saltus_hopf_ahead *hopf) {
     static const char changed[] = "events change";
+    const saltus_survey *before = &t->here->survey;
+    saltus_trail *trail = t->trail;
+    const saltus_breach_kind kind = t->next->worst.kind;
+    if (breached && !breach->found) {
+        leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed);
+        return;
+    }
+    if (find_end(t))
+        return;
+    if (!breached && !t->next->survey.follows) {
+        const bool free = before->impacts >= 0 && before->sticking_intervals == 0;
+        const double hidden = free && reached >= 0 ? hidden_breach(t) : 0;
+        if (hidden == 0)
+            leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed);
+        else
+            trail->step = hidden;
+        return;
+    }
+    if (!give_specials(t, hopf, true) || !trail->following)
+        return;
+    trail->step = saltus_curve_next_step(trail->step, t->next->at.iterations, longest_step(t, t->next));
+    if (reached >= 0)
+        end_at_border(t, t->next, t->next->at.ahead);
+    else if (breached && (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE))
+        leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, "the contact changes");
+    else if (breached)
+        graze(t, breach->accuracy);
+    else
+        settle(t);
+}
+
+saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     saltus_orbits *o = &t->orbits;
     saltus_trail *trail = t->trail;
     const saltus_curve_bound bound = {o->equations->count, t->range[0], t->range[1]};
     saltus_zero breach = {.accuracy = NAN};
     saltus_message why = {.text = ""};
     saltus_hopf_ahead hopf;
-    bool ended = false, again;
     int reached;
     saltus_status status = step_ahead(t, &bound, &reached, &why);
     if (status == SALTUS_OK)
-        status = saltus_solution_see(o, t->next, message);
-    if (status == SALTUS_NO_MEMORY)
-        return saltus_branch_no_memory(message);
-    if (status != SALTUS_OK)
-        return go_on_lost(t, status, why.text, message);
-    if (saltus_cycle_fades(o, t->here, t->next) && trail->options->locus == SALTUS_POINT_REGULAR)
-        status = fade(t, &ended, message);
-    if (ended || status != SALTUS_OK)
-        return status;
-    status = look_back(t, &hopf, &again, message);
-    if (again || status != SALTUS_OK || !trail->following)
-        return status;
+        status = saltus_solution_see(o, t->next, &why);
+    if (saltus_orbits_noted(o, status) != SALTUS_OK) {
+        go_on_lost(t, status, why.text);
+        return SALTUS_OK;
+    }
+    const bool fades =
+        trail->options->locus == SALTUS_POINT_REGULAR && saltus_cycle_fades(o, t->here, t->next) && fade(t);
+    if (fades || look_back(t, &hopf) || !trail->following)
+        return SALTUS_OK;
     const bool breached = t->next->worst.value > 0;
     status = breached ? cut_at_breach(t, &breach, &reached, &why) : saltus_solution_survey(o, t->next, &why);
     /* Along a border that the parameter's domain does not contain rounding may lead to it. */
     if (status == SALTUS_BAD_INPUT)
-        return leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, why.text, message);
-    if (status != SALTUS_OK)
+        leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, why.text);
+    else if (status == SALTUS_OK)
+        go_on(t, breached, &breach, reached, &hopf);
+    else
         return saltus_fail(message, status, "%s", why.text);
-    if (breached && !breach.found)
-        return leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed, message);
-    const saltus_breach_kind kind = t->next->worst.kind;
-    if (status == SALTUS_OK)
-        status = find_end(t, &ended, message);
-    if (ended || status != SALTUS_OK)
-        return status;
-    if (!breached && !t->next->survey.follows) {
-        const bool free = t->here->survey.impacts >= 0 && t->here->survey.sticking_intervals == 0;
-        const double hidden = free && reached >= 0 ? hidden_breach(t) : 0;
-        if (hidden == 0)
-            return leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed, message);
-        trail->step = hidden;
-        return SALTUS_OK;
-    }
-    status = give_specials(t, &hopf, &again, message);
-    if (again || status != SALTUS_OK || !trail->following)
-        return status;
-    trail->step = saltus_curve_next_step(trail->step, t->next->at.iterations, longest_step(t, t->next));
-    if (reached >= 0)
-        return end_at_border(t, t->next, t->next->at.ahead, message);
-    if (breached && (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE))
-        return leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, "the contact changes", message);
-    return breached ? graze(t, breach.accuracy, message) : settle(t, message);
+    return SALTUS_OK;
 }
