@@ -224,9 +224,7 @@ saltus_status saltus_boundary_cycle(saltus_orbits *o, const saltus_branch_start 
         return status;
     saltus_sequence_anchor(&sequence, o->flow, false);
     status = saltus_solution_place(o, &sequence, &parameter, state, true, out, message);
-    if (status == SALTUS_OK)
-        status = saltus_solution_walk(o, out, message);
-    if (status == SALTUS_OK && !(out->worst.value < 0 && out->survey.follows))
+    if (status == SALTUS_OK && !(saltus_solution_walk(o, out) && out->worst.value < 0 && out->survey.follows))
         status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "the flow follows no such orbit");
     if (status == SALTUS_OK)
         saltus_solution_head(out, start->heading);

@@ -60,7 +60,7 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
     leave_alike(o, here);
     for (size_t k = 0; k < sizeof ahead / sizeof ahead[0]; k++)
         for (int way = 0; way < 2; way++) {
-            if (saltus_solution_visit(o, here, ahead[k], next, NULL) == SALTUS_OK && next->worst.value < 0 &&
+            if (saltus_solution_visit(o, here, ahead[k], next) && next->worst.value < 0 &&
                 saltus_solution_survey(o, next, NULL) == SALTUS_OK && next->survey.follows)
                 return true;
             saltus_curve_turn(&here->at);
@@ -153,13 +153,12 @@ static double bracket(saltus_orbits *o, const saltus_solution *from, double ahea
     double low = 0, high = ahead;
     for (int k = 0; k < halvings && fabs(high - low) > 1e-12; k++) {
         double middle = 0.5 * (low + high);
-        bool sound = saltus_solution_visit(o, from, middle, at, NULL) == SALTUS_OK &&
-                     !(at->worst.value > 0) && saltus_solution_walk(o, at, NULL) == SALTUS_OK &&
-                     at->survey.follows && (!like || same_contacts(like, &at->survey));
+        bool sound = saltus_solution_visit(o, from, middle, at) && !(at->worst.value > 0) &&
+                     saltus_solution_walk(o, at) && at->survey.follows &&
+                     (!like || same_contacts(like, &at->survey));
         *(sound ? &low : &high) = middle;
     }
-    if (saltus_solution_visit(o, from, low, at, NULL) != SALTUS_OK ||
-        saltus_solution_survey(o, at, NULL) != SALTUS_OK)
+    if (!saltus_solution_visit(o, from, low, at) || saltus_solution_survey(o, at, NULL) != SALTUS_OK)
         return NAN;
     /* At the edge the survey, which runs with tangent vectors, may see other contacts than the walk. */
     if (low != 0 && like && !same_contacts(like, &at->survey)) {
@@ -214,7 +213,7 @@ static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const dou
     /* A guess along the tangent may lie beyond a stop, above all where a contact becomes permanent. */
     saltus_state_admit(o->system, state);
     if (saltus_solution_place(o, &driven, parameters, state, true, out, NULL) != SALTUS_OK ||
-        saltus_solution_walk(o, out, NULL) != SALTUS_OK || !out->survey.follows)
+        !saltus_solution_walk(o, out) || !out->survey.follows)
         return false;
     return sequence_met(o, out, state, &met) &&
            saltus_solution_place(o, &met, parameters, state, true, out, NULL) == SALTUS_OK &&
@@ -271,8 +270,7 @@ static bool leads_away(saltus_orbits *o, const saltus_solution *at, const saltus
     const int periods = at->sequence.periods, face = at->worst.face;
     double speed = last_speed(&here->survey, periods, face, time);
     for (int way = 1; way >= -1; way -= 2)
-        if (saltus_solution_visit(o, here, way * ahead, scratch, NULL) == SALTUS_OK &&
-            saltus_solution_walk(o, scratch, NULL) == SALTUS_OK &&
+        if (saltus_solution_visit(o, here, way * ahead, scratch) && saltus_solution_walk(o, scratch) &&
             scratch->survey.impacts == here->survey.impacts)
             return way * (last_speed(&scratch->survey, periods, face, time) - speed) <= 0;
     return true;

@@ -172,7 +172,7 @@ static saltus_status settling_step(saltus_equations *e, settling *s, const doubl
     return status;
 }
 
-saltus_status saltus_curve_settle(saltus_equations *e, double *u, double *error, saltus_message *message) {
+saltus_status saltus_curve_settle(saltus_equations *e, double *u, double *error) {
     enum { rounds = 8 };
     const double sharp = 1e-9, nothing = 1e-14;
     const int m = e->unknowns, size = m + 1;
@@ -180,7 +180,7 @@ saltus_status saltus_curve_settle(saltus_equations *e, double *u, double *error,
     settling s = {.matrix = calloc((size_t)(size * (size + 8)), sizeof *s.matrix)};
     if (!s.matrix || !saltus_dense_lu_open(&s.lu, size)) {
         free(s.matrix);
-        return saltus_branch_no_memory(message);
+        return SALTUS_NO_MEMORY;
     }
     s.v = s.matrix + size * size;
     s.w = s.v + 2 * size;
@@ -188,13 +188,13 @@ saltus_status saltus_curve_settle(saltus_equations *e, double *u, double *error,
     s.b = s.plane + 2 * size;
     s.step = s.b + size;
     s.aside = s.step + size;
-    saltus_status status = saltus_equations_evaluate(e, u, message);
+    saltus_status status = saltus_equations_evaluate(e, u, NULL);
     if (status == SALTUS_OK)
-        status = saltus_null_plane(e, s.plane, values, message);
+        status = saltus_null_plane(e, s.plane, values, NULL);
     if (status == SALTUS_OK)
         status = find_left(e, s.plane + m, s.matrix, s.b);
     for (int round = 0; round < rounds && status == SALTUS_OK && best > nothing; round++) {
-        status = settling_step(e, &s, u, message);
+        status = settling_step(e, &s, u, NULL);
         const double length = saltus_length(s.step, m);
         if (status != SALTUS_OK || !(length < best))
             break;
@@ -203,14 +203,14 @@ saltus_status saltus_curve_settle(saltus_equations *e, double *u, double *error,
         s.off += s.step[m];
         for (int j = 0; j < m; j++)
             u[j] += s.step[j];
-        status = saltus_equations_evaluate(e, u, message);
+        status = saltus_equations_evaluate(e, u, NULL);
     }
     saltus_dense_lu_close(&s.lu);
     free(s.matrix);
     if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(e, u, message);
+        status = saltus_equations_evaluate(e, u, NULL);
     if (status == SALTUS_OK && !(best < sharp && e->size <= e->tolerance))
-        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "no crossing of two curves");
+        return SALTUS_NO_CONVERGENCE;
     return status;
 }
 
@@ -301,7 +301,7 @@ saltus_status saltus_curve_meet(saltus_equations *e, const saltus_curve_point *f
 }
 
 saltus_status saltus_curve_revisit(saltus_equations *e, const saltus_curve_point *from, double ahead,
-                                   saltus_curve_point *point, saltus_message *message) {
+                                   saltus_curve_point *point) {
     const double least = 1e-4; /* in shorter steps rounding would bend the curve */
     const double rest = (ahead - point->ahead) / saltus_dot(from->tangent, point->tangent, from->unknowns);
     if (point->ahead > least)
@@ -316,7 +316,7 @@ saltus_status saltus_curve_revisit(saltus_equations *e, const saltus_curve_point
         point->u[j] -= off * from->tangent[j];
     point->ahead = ahead;
     point->bent = false;
-    return correct(e, from, from->tangent, point, message);
+    return correct(e, from, from->tangent, point, NULL);
 }
 
 bool saltus_curve_strays(const saltus_curve_point *from, const saltus_curve_point *to) {

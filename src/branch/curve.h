@@ -58,7 +58,7 @@ saltus_status saltus_curve_visit(saltus_equations *equations, const saltus_curve
 /* The same if `point` is a point of the curve that was visited from there, for points near that one: the
  * prediction is the cubic through both. */
 saltus_status saltus_curve_revisit(saltus_equations *equations, const saltus_curve_point *from, double ahead,
-                                   saltus_curve_point *point, saltus_message *message);
+                                   saltus_curve_point *point);
 /* Whether a point that was sought some way ahead of another is far aside of the tangent there: on another
  * piece of the curve, or on another curve. */
 bool saltus_curve_strays(const saltus_curve_point *from, const saltus_curve_point *to);
@@ -98,8 +98,7 @@ saltus_status saltus_curve_leaving(saltus_equations *equations, const double *u,
  * numbers that are zero exactly where J is singular (Govaerts, Numerical methods for bifurcations of
  * dynamical equilibria, SIAM 2000). *error: the last change of the last unknown, the parameter. Errors:
  * SALTUS_NO_CONVERGENCE, SALTUS_SINGULAR, SALTUS_NO_MEMORY, those of the evaluation. */
-saltus_status saltus_curve_settle(saltus_equations *equations, double *u, double *error,
-                                  saltus_message *message);
+saltus_status saltus_curve_settle(saltus_equations *equations, double *u, double *error);
 
 /* A function along a curve whose zero is sought; false where it cannot be computed. */
 typedef bool saltus_curve_function(void *context, double ahead, double *value);

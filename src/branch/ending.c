@@ -11,15 +11,15 @@
 /* Go once around a cycle. Without `rest`: its slowest point to `slowest` (n), the speed there, in the state's
  * scales, to *least; with `rest`, a state: the least distance from it to *least. */
 static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const double *rest,
-                               double *slowest, double *least, saltus_message *message) {
+                               double *slowest, double *least) {
     enum { parts = 8 };
     const double *scale = saltus_system_scale(o->system);
     saltus_event event = {.kind = SALTUS_STEP};
     double state[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX];
     *least = INFINITY;
-    saltus_status status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, s->state, message);
+    saltus_status status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, s->state, NULL);
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
-        status = saltus_flow_advance(o->flow, (saltus_time){1, 0}, SALTUS_WATCH_STEP, &event, message);
+        status = saltus_flow_advance(o->flow, (saltus_time){1, 0}, SALTUS_WATCH_STEP, &event, NULL);
         const double length = status == SALTUS_OK ? saltus_flow_step_length(o->flow, 0) : 0;
         for (int k = 0; k < parts && rest && status == SALTUS_OK; k++) {
             saltus_flow_dense(o->flow, 0, length * k / parts, state);
@@ -54,11 +54,11 @@ static passed_rest cycle_passes(saltus_orbits *o, const saltus_solution *s) {
     double slowest[SALTUS_STATE_MAX] = {0}, speed;
     saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, NULL);
     if (status == SALTUS_OK)
-        status = go_around(o, s, NULL, slowest, &speed, NULL);
+        status = go_around(o, s, NULL, slowest, &speed);
     if (status == SALTUS_OK)
         status = saltus_equilibrium_find(o->system, slowest, &how, &rest, NULL);
     if (status == SALTUS_OK)
-        status = go_around(o, s, rest.state, slowest, &passed.distance, NULL);
+        status = go_around(o, s, rest.state, slowest, &passed.distance);
     if (saltus_orbits_noted(o, status) == SALTUS_OK) {
         passed.found = true;
         passed.contacts = rest.contacts;
@@ -126,7 +126,7 @@ static bool seek_birth(saltus_orbits *o, const saltus_solution *s, double *param
     bool found = false;
     saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, NULL);
     if (status == SALTUS_OK)
-        status = go_around(o, s, NULL, slowest, &speed, NULL);
+        status = go_around(o, s, NULL, slowest, &speed);
     if (status == SALTUS_OK)
         status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, slowest, NULL);
     if (status == SALTUS_OK && !saltus_flow_contacts(o->flow, 0)) {
@@ -319,22 +319,21 @@ static void tell_multipliers(const saltus_shrunk *hopf, double period, saltus_su
     survey->unstable = saltus_multipliers_unstable(survey->multipliers, count);
 }
 
-saltus_status saltus_cycle_shrink(saltus_orbits *o, const saltus_shrunk *hopf, saltus_solution *out,
-                                  saltus_message *message) {
+bool saltus_cycle_shrink(saltus_orbits *o, const saltus_shrunk *hopf, saltus_solution *out) {
     saltus_sequence sequence = out->sequence;
     sequence.omega = hopf->omega * sequence.periods;
-    saltus_status status = saltus_shooting_shape(o->shooting, &sequence, message);
+    saltus_status status = saltus_shooting_shape(o->shooting, &sequence, NULL);
     if (status == SALTUS_OK)
-        status = saltus_shooting_fill(o->shooting, &hopf->parameter, hopf->state, out->at.u, message);
+        status = saltus_shooting_fill(o->shooting, &hopf->parameter, hopf->state, out->at.u, NULL);
     if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(o->equations, out->at.u, message);
+        status = saltus_equations_evaluate(o->equations, out->at.u, NULL);
     if (status == SALTUS_OK)
-        status = saltus_solution_see(o, out, message);
-    if (status == SALTUS_OK)
-        status = saltus_solution_survey(o, out, message);
+        status = saltus_solution_see(o, out, NULL);
+    if (saltus_orbits_noted(o, status) == SALTUS_OK)
+        status = saltus_solution_survey(o, out, NULL);
     if (status == SALTUS_OK && out->survey.walked)
         tell_multipliers(hopf, 2 * M_PI / hopf->omega, &out->survey);
-    return status;
+    return status == SALTUS_OK;
 }
 
 bool saltus_cycle_of_family(const saltus_solution *s) {
@@ -384,7 +383,7 @@ saltus_zero saltus_cycle_touches(saltus_orbits *o, const saltus_solution *here, 
             continue;
         saltus_solution_head(bare, -heading);
         const double back = reach[k] / fabs(saltus_solution_heading(bare));
-        if (saltus_solution_visit(o, bare, back, scratch, NULL) == SALTUS_OK && scratch->worst.value > 0)
+        if (saltus_solution_visit(o, bare, back, scratch) && scratch->worst.value > 0)
             zero = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, bare, scratch, at);
     }
     return zero;

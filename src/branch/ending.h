@@ -47,10 +47,8 @@ bool saltus_cycle_seek_hopf(saltus_orbits *orbits, const saltus_solution *here, 
 bool saltus_cycle_folds(saltus_orbits *orbits, const saltus_solution *here, const saltus_special *fold,
                         const saltus_solution *at);
 /* `out`, which has the shooting's sequence, becomes that Hopf point as an orbit, surveyed; it keeps its
- * tangent. Its multipliers are the limits of those of the shrinking cycles. Errors: SALTUS_NO_MEMORY, those
- * of the flow. */
-saltus_status saltus_cycle_shrink(saltus_orbits *orbits, const saltus_shrunk *hopf, saltus_solution *out,
-                                  saltus_message *message);
+ * tangent. Its multipliers are the limits of those of the shrinking cycles. False if the flow fails. */
+bool saltus_cycle_shrink(saltus_orbits *orbits, const saltus_shrunk *hopf, saltus_solution *out);
 
 /* Whether the orbits at one value of the parameter may form a family: one multiplier is 1 besides the trivial
  * one along the flow. */

@@ -21,7 +21,7 @@ typedef struct shorter {
 } shorter;
 
 /* Evaluate the orbit at s->at without its grazing impact by a separate shooting, which the caller frees. */
-static saltus_status evaluate_without(const shorter *s, saltus_shooting **shooting, saltus_message *message) {
+static saltus_status evaluate_without(const shorter *s, saltus_shooting **shooting) {
     const saltus_orbits *o = &s->x.orbits;
     bool gone[SALTUS_MARKS_MAX] = {false};
     saltus_sequence sequence, less;
@@ -29,7 +29,7 @@ static saltus_status evaluate_without(const shorter *s, saltus_shooting **shooti
     saltus_shooting_extract(o->shooting, s->at.u, &sequence, state);
     gone[s->x.mark] = true;
     saltus_sequence_without(&sequence, gone, &less, NULL);
-    return saltus_orbits_evaluate(o, &less, s->at.u + o->equations->count, state, shooting, message);
+    return saltus_orbits_evaluate(o, &less, s->at.u + o->equations->count, state, shooting, NULL);
 }
 
 /* How near another impact is to grazing, too, at the orbit at s->at. */
@@ -67,7 +67,7 @@ static bool test_at(void *context, double ahead, double *value) {
     if (status == SALTUS_OK && (s->kind == SALTUS_POINT_GPD || s->kind == SALTUS_POINT_CP))
         status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value);
     if (status == SALTUS_OK && (comes_back || s->without))
-        status = evaluate_without(s, &without, NULL);
+        status = evaluate_without(s, &without);
     else if (status == SALTUS_OK && (multipliers || grazes))
         status = saltus_equations_evaluate(o->equations, s->at.u, NULL);
     if (status == SALTUS_OK && grazes && !s->without)
@@ -230,12 +230,11 @@ static bool go_through(saltus_extended *x, const shorter *s, const double *unkno
             return false;
     saltus_status status = saltus_orbits_shoot(&x->orbits, &whole, unknowns + s->x.orbits.equations->count,
                                                state, &shooting, &u, NULL);
-    if (status == SALTUS_OK) {
+    const bool found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK;
+    if (found)
         memcpy(at->at.u, u, (size_t)x->orbits.equations->unknowns * sizeof *u);
-        status = saltus_locus_see_orbit(x, at, NULL);
-    }
     saltus_shooting_free(shooting);
-    return saltus_orbits_noted(&x->orbits, status) == SALTUS_OK;
+    return found && saltus_locus_see_orbit(x, at);
 }
 
 static void close_shorter(saltus_extended *x, shorter *s) {
@@ -335,10 +334,9 @@ bool saltus_halved_resonates(saltus_extended *x, const saltus_locus_point *here,
         parts--;
     if (parts <= 2)
         return false;
-    saltus_status status = saltus_curve_copy(&here->at, &at->at) ? SALTUS_OK : SALTUS_NO_MEMORY;
-    if (status == SALTUS_OK)
-        status = saltus_locus_see_orbit(x, at, NULL);
-    if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK ||
+    const bool room = saltus_curve_copy(&here->at, &at->at);
+    x->orbits.starved |= !room;
+    if (!room || !saltus_locus_see_orbit(x, at) ||
         !saltus_halved_touch(x, SALTUS_POINT_R4, parts, INFINITY, at))
         return false;
     const double *way = here->at.tangent + c,

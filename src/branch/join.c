@@ -61,9 +61,8 @@ static bool extrapolate(saltus_extended *x, saltus_locus_point *here, double ahe
         /* Rounding may be more than the first tolerance. */
         double tolerance = sharpest;
         found = saltus_locus_reach(x, follows ? &before.at : &here->at,
-                                   follows ? -apart : ahead - (k + 1) * apart, &tolerance, sharp, &at->at,
-                                   NULL) == SALTUS_OK &&
-                saltus_locus_see_orbit(x, at, NULL) == SALTUS_OK;
+                                   follows ? -apart : ahead - (k + 1) * apart, &tolerance, sharp, &at->at) &&
+                saltus_locus_see_orbit(x, at);
         rest[k] = found ? left_of(x, by, parts, &at->orbit) : NAN;
         for (int j = 0; j < m && found; j++)
             u[j * samples + k] = at->at.u[j];
@@ -83,7 +82,7 @@ static bool extrapolate(saltus_extended *x, saltus_locus_point *here, double ahe
     }
     free(u);
     saltus_locus_point_clear(&before);
-    return found && saltus_locus_see_orbit(x, at, NULL) == SALTUS_OK;
+    return found && saltus_locus_see_orbit(x, at);
 }
 
 /* How many impacts have hardly a speed. */
@@ -143,7 +142,7 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     memcpy(at->at.u, sharper ? u : located, size);
     at->at.ahead = sharper ? ahead : place;
     at->doubt = sharper ? doubt : at->doubt;
-    saltus_locus_see_orbit(x, at, NULL);
+    saltus_locus_see_orbit(x, at);
     free(u);
 }
 
@@ -174,14 +173,13 @@ typedef struct crossing {
 static bool crosses_at(void *context, double ahead, double *value) {
     const double alike = 1e-8;
     crossing *c = context;
-    saltus_status status = saltus_curve_visit(&c->x->equations, &c->from, ahead, &c->at->at, NULL);
-    if (status == SALTUS_OK)
-        status = saltus_locus_see_orbit(c->x, c->at, NULL);
+    const saltus_status status = saltus_curve_visit(&c->x->equations, &c->from, ahead, &c->at->at, NULL);
+    const bool found =
+        saltus_orbits_noted(&c->x->orbits, status) == SALTUS_OK && saltus_locus_see_orbit(c->x, c->at);
     if (isnan(c->exponent))
         c->exponent = c->at->at.crossing.exponent;
     *value = saltus_scaled_in(c->at->at.crossing, c->exponent);
-    return saltus_orbits_noted(&c->x->orbits, status) == SALTUS_OK &&
-           saltus_locus_distance(c->x, &c->at->orbit, c->parts) < alike;
+    return found && saltus_locus_distance(c->x, &c->at->orbit, c->parts) < alike;
 }
 
 /* Locate the place `at`, known to `least`, where the curve of `here` joins that of shorter orbits by the
@@ -225,7 +223,7 @@ static bool locate_join(saltus_extended *x, saltus_point_kind kind, int parts, c
                         saltus_locus_point *at) {
     const double close = 1e-9, slack = 100;
     memcpy(at->at.u, u, (size_t)x->equations.unknowns * sizeof *u);
-    return saltus_locus_see_orbit(x, at, NULL) == SALTUS_OK &&
+    return saltus_locus_see_orbit(x, at) &&
            saltus_halved_touch(x, kind, parts, fmax(close, slack * least), at);
 }
 
@@ -277,7 +275,7 @@ saltus_point_kind saltus_locus_join(saltus_extended *x, saltus_locus_point *here
     if (kind && !(parts > 1 && locate_join(x, kind, parts, u, least, at))) {
         memcpy(at->at.u, u, size);
         sharpen_join(x, here, parts, least, at);
-        saltus_locus_see_orbit(x, at, NULL);
+        saltus_locus_see_orbit(x, at);
     }
     if (kind)
         at->at.ahead = ahead;
@@ -318,7 +316,7 @@ static bool seek_end(saltus_extended *x, saltus_locus_point *here, measure by, i
         at->at.ahead = ahead;
     }
     free(u);
-    return ahead > 0 && saltus_locus_see_orbit(x, at, NULL) == SALTUS_OK;
+    return ahead > 0 && saltus_locus_see_orbit(x, at);
 }
 
 bool saltus_locus_fade(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {

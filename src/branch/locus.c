@@ -23,6 +23,7 @@ static const double slowest = 0.1;
 static const double stride_min = 1e-5;
 static const char ceases_to_complete[] =
     "chatter ceases to complete: the contact after it shrinks to nothing";
+static const char lost[] = "the equations fail at the first point";
 static const char is_back[] = "the curve is closed: it has come back";
 
 /* The parameters' part of a vector of unknowns. */
@@ -174,10 +175,10 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
     l->trail->depth = start->depth;
     l->way = 0;
     saltus_status status = small ? find_small(l, start, message) : find_start(l, start, message);
-    if (status == SALTUS_OK)
-        status = saltus_locus_see(&l->x, &l->here, message);
     if (status != SALTUS_OK)
         return status;
+    if (!saltus_locus_see(&l->x, &l->here))
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, lost);
     const size_t bytes = (size_t)l->x.equations.unknowns * sizeof *l->beginning;
     double *grown = realloc(l->beginning, bytes);
     if (!grown)
@@ -230,7 +231,8 @@ saltus_status saltus_locus_open(saltus_locus *l, const saltus_spec *spec, const 
     if (!first)
         return SALTUS_OK;
     l->trail->number = -1;
-    return open_start(l, first, message);
+    status = open_start(l, first, message);
+    return l->x.orbits.starved ? saltus_branch_no_memory(message) : status;
 }
 
 void saltus_locus_close(saltus_locus *l) {
@@ -337,8 +339,7 @@ static bool come_back(saltus_locus *l, double leaving, bool stays, double ahead)
         saltus_curve_bend(&l->here.at, &l->next.at);
         const saltus_status status =
             saltus_curve_visit(&l->x.equations, &l->next.at, -0.5 * ahead, &l->trial.at, NULL);
-        if (saltus_orbits_noted(&l->x.orbits, status) != SALTUS_OK ||
-            saltus_locus_see(&l->x, &l->trial, NULL) != SALTUS_OK)
+        if (saltus_orbits_noted(&l->x.orbits, status) != SALTUS_OK || !saltus_locus_see(&l->x, &l->trial))
             break;
         if (saltus_corner_breach(&l->x, &l->trial.orbit) >= 0)
             return false;
@@ -384,9 +385,8 @@ static bool leave(saltus_locus *l, bool turns, bool leaves, saltus_message *why)
             saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->next.at, why);
         /* Folds of orbits that stay their own mirror images solve the equations of branch points, too. */
         const bool folds = branches && !saltus_extended_breaks(&l->x);
-        found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
-                saltus_locus_see(&l->x, &l->next, why) == SALTUS_OK && !folds &&
-                has_left(l, &l->next, leaving, stays, ahead) && come_back(l, leaving, stays, ahead);
+        found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK && saltus_locus_see(&l->x, &l->next) &&
+                !folds && has_left(l, &l->next, leaving, stays, ahead) && come_back(l, leaving, stays, ahead);
     }
     l->x.equations.tolerance = usual;
     if (found)
@@ -409,7 +409,7 @@ static bool pass_grazing(saltus_locus *l, bool *closes) {
     saltus_sequence_graze(&old, &touch, 1, &fresh, order);
     if (saltus_solution_place(&l->x.orbits, &fresh, l->trial.orbit.parameter, l->trial.orbit.state, false,
                               &l->here.orbit, NULL) != SALTUS_OK ||
-        saltus_locus_install(&l->x, &l->here, &old, l->trial.at.tangent, 0, order, NULL) != SALTUS_OK)
+        !saltus_locus_install(&l->x, &l->here, &old, l->trial.at.tangent, 0, order))
         return false;
     if (l->trail->options->switches)
         *closes |= saltus_locus_starts_pass(&l->x, &l->here.orbit, false, l->starts);
@@ -428,16 +428,14 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
             status = saltus_locus_find_again(&l->x, &l->here, l->beginning, extra, message);
         } else if (status == SALTUS_OK) {
             status = saltus_locus_take_up(&l->x, &l->here, l->beginning, extra, message);
-            if (status == SALTUS_OK)
-                status = saltus_locus_see_orbit(&l->x, &l->here, message);
-            if (status == SALTUS_OK)
+            if (status == SALTUS_OK && saltus_locus_see_orbit(&l->x, &l->here))
                 status = saltus_locus_find_crossing(&l->x, &l->here, !l->x.mirrored, message);
         }
-        if (status == SALTUS_OK)
-            status = saltus_locus_see(&l->x, &l->here, message);
+        if (status != SALTUS_OK)
+            return status;
+        if (!saltus_locus_see(&l->x, &l->here))
+            return saltus_fail(message, SALTUS_NO_CONVERGENCE, lost);
     }
-    if (status != SALTUS_OK)
-        return status;
     const double *way = plane_of(l, l->here.at.tangent);
     if ((fabs(way[1]) > 1e-9 * fabs(way[0]) ? way[1] : way[0]) * heading < 0)
         saltus_curve_turn(&l->here.at);
@@ -610,8 +608,8 @@ static bool meet_halves(saltus_locus *l) {
 static bool onward_at(void *context, double ahead, double *value) {
     saltus_locus *l = context;
     const saltus_status status = saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->trial.at, NULL);
-    const bool found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
-                       saltus_locus_see_orbit(&l->x, &l->trial, NULL) == SALTUS_OK;
+    const bool found =
+        saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK && saltus_locus_see_orbit(&l->x, &l->trial);
     *value = l->trial.orbit.onward;
     return found;
 }
@@ -645,7 +643,7 @@ static void meet_rest(saltus_locus *l) {
         memcpy(l->trial.at.u, best, m * sizeof *best);
         l->trial.at.ahead = middle;
         l->trial.doubt = least;
-        if (saltus_locus_see_orbit(&l->x, &l->trial, NULL) == SALTUS_OK)
+        if (saltus_locus_see_orbit(&l->x, &l->trial))
             give_join(l, SALTUS_POINT_GH);
     }
     free(work);
@@ -664,11 +662,10 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
         for (; !found && l->trail->step > stride_min; l->trail->step *= found ? 1 : 0.5) {
             const saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step,
                                                            bounds, 2, &l->next.at, reached, NULL);
-            found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
-                    saltus_locus_see(&l->x, &l->next, NULL) == SALTUS_OK && is_near(l, &l->next) &&
-                    !saltus_curve_strays(&l->here.at, &l->next.at) &&
-                    !saltus_locus_leaps(&l->here, &l->next) &&
-                    saltus_locus_is_sound(&l->x, &l->here, &l->next);
+            found =
+                saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK && saltus_locus_see(&l->x, &l->next) &&
+                is_near(l, &l->next) && !saltus_curve_strays(&l->here.at, &l->next.at) &&
+                !saltus_locus_leaps(&l->here, &l->next) && saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
         if (!found) {
             give_end(l);
@@ -739,7 +736,7 @@ static void advance(saltus_locus *l) {
                                l->trail->options->step_max / fmax(hypot(way[0], way[1]), slowest));
     const char *reason = closed ? is_back : reached >= 0 ? "end of the parameters' range" : NULL;
     give(l, &l->here, reason ? SALTUS_POINT_EP : l->x.kind, 0, reason);
-    if (l->trail->following && saltus_locus_reframe(&l->x, &l->here, &l->next, NULL) != SALTUS_OK)
+    if (l->trail->following && !saltus_locus_reframe(&l->x, &l->here, &l->next))
         give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit));
 }
 
@@ -757,7 +754,7 @@ saltus_status saltus_locus_step(saltus_locus *l, bool *more, saltus_message *mes
     else if ((*more = saltus_locus_starts_wait(starts, false)))
         /* The list may grow while the curve is followed. */
         status = switch_to(l, &starts->start[starts->next++], message);
-    return status == SALTUS_OK && l->x.orbits.starved ? saltus_branch_no_memory(message) : status;
+    return l->x.orbits.starved ? saltus_branch_no_memory(message) : status;
 }
 
 /* The orbit at `here`, and the extended equations' borders and derivative there. */

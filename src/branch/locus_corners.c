@@ -135,9 +135,8 @@ static bool add_samples(search *s, const saltus_locus_zeros *found) {
 /* The tolerance of steps would be the error of the place. */
 static bool visit_sharply(saltus_extended *x, const saltus_locus_point *here, double ahead, double *tolerance,
                           saltus_locus_point *out) {
-    return saltus_locus_reach(x, &here->at, ahead, tolerance, x->equations.tolerance, &out->at, NULL) ==
-               SALTUS_OK &&
-           !saltus_curve_strays(&here->at, &out->at) && saltus_locus_see(x, out, NULL) == SALTUS_OK;
+    return saltus_locus_reach(x, &here->at, ahead, tolerance, x->equations.tolerance, &out->at) &&
+           !saltus_curve_strays(&here->at, &out->at) && saltus_locus_see(x, out);
 }
 
 static bool corner_at(void *context, double ahead, double *value) {
@@ -209,7 +208,7 @@ static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, i
         memcpy(out->at.u, own, (size_t)m * sizeof *own);
         out->at.ahead = ahead;
         found = saltus_equations_evaluate(&x->equations, out->at.u, NULL) == SALTUS_OK &&
-                saltus_locus_see(x, out, NULL) == SALTUS_OK;
+                saltus_locus_see(x, out);
     }
     saltus_locus_point_clear(&side[0]);
     saltus_locus_point_clear(&side[1]);

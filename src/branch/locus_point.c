@@ -13,30 +13,29 @@ void saltus_locus_point_clear(saltus_locus_point *p) {
     saltus_solution_clear(&p->orbit);
 }
 
-saltus_status saltus_locus_see_orbit(saltus_extended *x, saltus_locus_point *p, saltus_message *message) {
+bool saltus_locus_see_orbit(saltus_extended *x, saltus_locus_point *p) {
     saltus_orbits *o = &x->orbits;
     saltus_curve_point *at = &p->orbit.at;
     size_t m = (size_t)o->equations->unknowns;
-    if (!saltus_curve_reserve(at, (int)m))
-        return saltus_orbits_noted(o, saltus_branch_no_memory(message));
+    const bool room = saltus_curve_reserve(at, (int)m);
+    o->starved |= !room;
+    if (!room)
+        return false;
     memcpy(at->u, p->at.u, m * sizeof *at->u);
     memcpy(at->tangent, p->at.tangent, m * sizeof *at->u);
     at->iterations = p->at.iterations;
-    saltus_status status = saltus_equations_evaluate(o->equations, at->u, message);
-    if (status == SALTUS_OK)
-        status = saltus_solution_see(o, &p->orbit, message);
-    if (status == SALTUS_OK)
-        status = saltus_solution_survey(o, &p->orbit, message);
-    return saltus_orbits_noted(o, status);
+    const saltus_status status = saltus_equations_evaluate(o->equations, at->u, NULL);
+    return saltus_orbits_noted(o, status) == SALTUS_OK &&
+           saltus_solution_see(o, &p->orbit, NULL) == SALTUS_OK &&
+           saltus_solution_survey(o, &p->orbit, NULL) == SALTUS_OK;
 }
 
-saltus_status saltus_locus_see(saltus_extended *x, saltus_locus_point *p, saltus_message *message) {
-    saltus_status status = saltus_locus_see_orbit(x, p, message);
-    if (status != SALTUS_OK)
-        return status;
+bool saltus_locus_see(saltus_extended *x, saltus_locus_point *p) {
+    if (!saltus_locus_see_orbit(x, p))
+        return false;
     p->corner_count = saltus_corner_measure(x, &p->at, &p->orbit, p->corners);
     p->before_place = 0;
-    return SALTUS_OK;
+    return true;
 }
 
 saltus_status saltus_locus_take_up(saltus_extended *x, saltus_locus_point *here, const double *u,
@@ -157,37 +156,36 @@ saltus_status saltus_locus_find_crossing(saltus_extended *x, saltus_locus_point 
     return status;
 }
 
-saltus_status saltus_locus_install(saltus_extended *x, saltus_locus_point *here, const saltus_sequence *old,
-                                   const double *tangent, double more, const int *order,
-                                   saltus_message *message) {
+bool saltus_locus_install(saltus_extended *x, saltus_locus_point *here, const saltus_sequence *old,
+                          const double *tangent, double more, const int *order) {
     const saltus_sequence *fresh = &here->orbit.sequence;
     const int m = x->orbits.equations->unknowns, n = x->orbits.n, mark = x->mark;
     double *guide = calloc((size_t)(m + x->extra), sizeof *guide);
+    x->orbits.starved |= !guide;
     if (!guide)
-        return saltus_orbits_noted(&x->orbits, saltus_branch_no_memory(message));
+        return false;
     saltus_sequence_carry(old, tangent, fresh, order, n, 2, guide);
     if (x->extra)
         guide[m] = tangent[saltus_sequence_unknowns(old, n) + 2];
     for (int k = 0; k < fresh->count; k++)
         if (order[k] == mark)
             x->mark = k;
-    saltus_status status = saltus_locus_take_up(x, here, here->orbit.at.u, more, message);
+    saltus_status status = saltus_locus_take_up(x, here, here->orbit.at.u, more, NULL);
     x->folds = false;
     if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(&x->equations, here->at.u, message);
+        status = saltus_equations_evaluate(&x->equations, here->at.u, NULL);
     if (status == SALTUS_OK)
-        status = saltus_curve_orient(&x->equations, guide, &here->at, message);
+        status = saltus_curve_orient(&x->equations, guide, &here->at, NULL);
     free(guide);
     /* The determinants have changed. */
-    return saltus_orbits_noted(&x->orbits, status) == SALTUS_OK ? saltus_locus_see(x, here, message) : status;
+    return saltus_orbits_noted(&x->orbits, status) == SALTUS_OK && saltus_locus_see(x, here);
 }
 
 bool saltus_locus_grows(const saltus_extended *x, const saltus_solution *s) {
     return s->growth > (x->kind == SALTUS_POINT_GR ? 1e4 : 1e2);
 }
 
-saltus_status saltus_locus_reframe(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *scratch,
-                                   saltus_message *message) {
+bool saltus_locus_reframe(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *scratch) {
     const int unknowns = here->at.unknowns;
     int order[SALTUS_MARKS_MAX];
     const saltus_sequence old = here->orbit.sequence;
@@ -195,9 +193,9 @@ saltus_status saltus_locus_reframe(saltus_extended *x, saltus_locus_point *here,
                                  order) &&
         !(saltus_locus_grows(x, &here->orbit) &&
           saltus_solution_refine(&x->orbits, &here->orbit, &scratch->orbit, order)))
-        return SALTUS_OK;
+        return true;
     return saltus_locus_install(x, here, &old, here->at.tangent, x->extra ? here->at.u[unknowns - 1] : 0,
-                                order, message);
+                                order);
 }
 
 double saltus_locus_doubt(saltus_curve_function *function, void *context, double place,
@@ -328,24 +326,23 @@ bool saltus_locus_leaps(const saltus_locus_point *here, const saltus_locus_point
     return distance > shortest && from + onto > share * turn + little;
 }
 
-saltus_status saltus_locus_reach(saltus_extended *x, const saltus_curve_point *from, double ahead,
-                                 double *tolerance, double loosest, saltus_curve_point *to,
-                                 saltus_message *message) {
+bool saltus_locus_reach(saltus_extended *x, const saltus_curve_point *from, double ahead, double *tolerance,
+                        double loosest, saltus_curve_point *to) {
     const double usual = x->equations.tolerance;
     saltus_status status = SALTUS_NO_CONVERGENCE;
     for (double t = *tolerance; status == SALTUS_NO_CONVERGENCE && t < 2 * loosest; t *= 10) {
         x->equations.tolerance = *tolerance = fmin(t, loosest);
-        status = saltus_curve_visit(&x->equations, from, ahead, to, message);
+        status = saltus_curve_visit(&x->equations, from, ahead, to, NULL);
     }
     x->equations.tolerance = usual;
-    return saltus_orbits_noted(&x->orbits, status);
+    return saltus_orbits_noted(&x->orbits, status) == SALTUS_OK;
 }
 
 bool saltus_locus_visit(saltus_extended *x, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out) {
     const saltus_status status = saltus_curve_visit(&x->equations, &here->at, ahead, &out->at, NULL);
     return saltus_orbits_noted(&x->orbits, status) == SALTUS_OK &&
-           !saltus_curve_strays(&here->at, &out->at) && saltus_locus_see(x, out, NULL) == SALTUS_OK;
+           !saltus_curve_strays(&here->at, &out->at) && saltus_locus_see(x, out);
 }
 
 void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, double theta,
@@ -373,7 +370,7 @@ void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, do
             hypot(at->doubt, at->at.u[j] - saltus_curve_interpolate(square, u + j * samples, samples - 1));
     free(u);
     if (found)
-        saltus_locus_see_orbit(x, at, NULL);
+        saltus_locus_see_orbit(x, at);
 }
 
 /* Whether an orbit has a contact after complete chatter that is shorter than this. */
@@ -392,15 +389,13 @@ bool saltus_locus_end_contact(saltus_extended *x, const saltus_locus_point *here
     double place = 0, step = reach;
     if (!has_contact(&here->orbit, INFINITY))
         return false;
-    saltus_status status = SALTUS_OK;
     bool room = saltus_curve_copy(&here->at, &last);
     /* A residual speed at grazing moves the place by as much. */
     x->equations.tolerance = fmin(usual, sharp);
     for (int k = 0; k < halvings && room;) {
-        status = saltus_curve_visit(&x->equations, &last, step, &at->at, NULL);
-        if (saltus_orbits_noted(&x->orbits, status) == SALTUS_OK)
-            status = saltus_locus_see_orbit(x, at, NULL);
-        const bool sound = status == SALTUS_OK && saltus_corner_breach(x, &at->orbit) <= 0;
+        const saltus_status status = saltus_curve_visit(&x->equations, &last, step, &at->at, NULL);
+        const bool sound = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK &&
+                           saltus_locus_see_orbit(x, at) && saltus_corner_breach(x, &at->orbit) <= 0;
         room = !sound || saltus_curve_copy(&at->at, &last);
         place += sound ? step : 0;
         /* Predicted from afar, an orbit that exists may not be found. */
@@ -411,7 +406,7 @@ bool saltus_locus_end_contact(saltus_extended *x, const saltus_locus_point *here
     }
     room = room && saltus_curve_copy(&last, &at->at);
     x->orbits.starved |= !room;
-    bool found = room && saltus_locus_see_orbit(x, at, NULL) == SALTUS_OK;
+    bool found = room && saltus_locus_see_orbit(x, at);
     x->equations.tolerance = usual;
     at->doubt = 2 * step;
     at->at.ahead = place;

@@ -19,11 +19,10 @@ typedef struct saltus_locus_point {
 
 /* Free the arrays. A zeroed one is accepted. */
 void saltus_locus_point_clear(saltus_locus_point *point);
-/* Evaluate and survey the orbit at point->at. Errors: SALTUS_NO_MEMORY, those of the equations. */
-saltus_status saltus_locus_see_orbit(saltus_extended *extended, saltus_locus_point *point,
-                                     saltus_message *message);
+/* Evaluate and survey the orbit at point->at. False if the equations fail. */
+bool saltus_locus_see_orbit(saltus_extended *extended, saltus_locus_point *point);
 /* The same at a point just found by Newton's method, with the functions whose zeros are corners. */
-saltus_status saltus_locus_see(saltus_extended *extended, saltus_locus_point *point, saltus_message *message);
+bool saltus_locus_see(saltus_extended *extended, saltus_locus_point *point);
 /* `here` becomes the point with these unknowns of the shooting's sequence, and `extra` as the unknown besides
  * them, before it is known to lie on the locus. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE, those of the
  * flow. */
@@ -50,25 +49,22 @@ saltus_status saltus_locus_find_crossing(saltus_extended *extended, saltus_locus
 double saltus_locus_leaving(const saltus_extended *extended, const saltus_locus_point *here);
 /* `here` becomes a point of the same curve with the sequence that its orbit has now and that was made from
  * `old`, at which the tangent was `tangent` and the unknown beside the orbit's `more`; order: where the marks
- * stood. Errors: SALTUS_NO_MEMORY, those of the equations. */
-saltus_status saltus_locus_install(saltus_extended *extended, saltus_locus_point *here,
-                                   const saltus_sequence *old, const double *tangent, double more,
-                                   const int *order, saltus_message *message);
+ * stood. False if the equations fail. */
+bool saltus_locus_install(saltus_extended *extended, saltus_locus_point *here, const saltus_sequence *old,
+                          const double *tangent, double more, const int *order);
 /* Whether an orbit should be cut into more segments, as perturbations grow too much for Newton's method or,
  * except at grazing, for the differences that are the second derivatives. */
 bool saltus_locus_grows(const saltus_extended *extended, const saltus_solution *orbit);
 /* Cut the orbit at `here` better if that is so, or an event has come near its base or a cut; `scratch` is
- * overwritten. Errors: as above; there is then no such point. */
-saltus_status saltus_locus_reframe(saltus_extended *extended, saltus_locus_point *here,
-                                   saltus_locus_point *scratch, saltus_message *message);
+ * overwritten. False: there is no such point. */
+bool saltus_locus_reframe(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *scratch);
 /* Whether a step has led to another piece of the curve, or another curve, beside it: on one smooth piece the
  * chord's angles with the two tangents add up to that between these, or nearly so. */
 bool saltus_locus_leaps(const saltus_locus_point *here, const saltus_locus_point *to);
 /* The point at arclength `ahead` from another on the curve, by the sharpest tolerance of the equations that
  * rounding allows, which is sought from *tolerance to `loosest`; *tolerance becomes that. */
-saltus_status saltus_locus_reach(saltus_extended *extended, const saltus_curve_point *from, double ahead,
-                                 double *tolerance, double loosest, saltus_curve_point *to,
-                                 saltus_message *message);
+bool saltus_locus_reach(saltus_extended *extended, const saltus_curve_point *from, double ahead,
+                        double *tolerance, double loosest, saltus_curve_point *to);
 /* The point at arclength `ahead` from another, evaluated; false if it cannot be found. */
 bool saltus_locus_visit(saltus_extended *extended, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out);

@@ -175,12 +175,12 @@ bool saltus_solution_rests(const saltus_solution *s, const saltus_solution *near
            saltus_solution_way(s) < (near ? fmax(nothing, shrunk * saltus_solution_way(near)) : nothing);
 }
 
-saltus_status saltus_solution_visit(saltus_orbits *o, const saltus_solution *from, double ahead,
-                                    saltus_solution *out, saltus_message *message) {
-    saltus_status status = saltus_curve_visit(o->equations, &from->at, ahead, &out->at, message);
+bool saltus_solution_visit(saltus_orbits *o, const saltus_solution *from, double ahead,
+                           saltus_solution *out) {
+    saltus_status status = saltus_curve_visit(o->equations, &from->at, ahead, &out->at, NULL);
     if (status == SALTUS_OK)
-        status = saltus_solution_see(o, out, message);
-    return saltus_orbits_noted(o, status);
+        status = saltus_solution_see(o, out, NULL);
+    return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 
 void saltus_solution_speeds(const saltus_orbits *o, const saltus_solution *s, double *speed) {
@@ -263,8 +263,8 @@ static saltus_status go_around(saltus_orbits *o, saltus_solution *s, saltus_cocy
     return SALTUS_OK;
 }
 
-saltus_status saltus_solution_walk(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
-    return go_around(o, s, NULL, message);
+bool saltus_solution_walk(saltus_orbits *o, saltus_solution *s) {
+    return go_around(o, s, NULL, NULL) == SALTUS_OK;
 }
 
 bool saltus_cycle_around(saltus_orbits *o, const saltus_solution *s, saltus_lap *lap) {
@@ -413,35 +413,32 @@ typedef struct location {
 
 /* `out` becomes the point at `ahead`, predicted from the last one that was visited. Near a crossing that one
  * may lie on the other curve: there all points are predicted from the same one. */
-static saltus_status visit(location *l, double ahead) {
+static bool visit(location *l, double ahead) {
     const bool crosses = l->test == SALTUS_TEST_CROSSING || l->test == SALTUS_TEST_ONWARD;
     saltus_orbits *o = l->orbits;
-    saltus_status status = SALTUS_NO_CONVERGENCE;
+    bool found = false;
     if (l->visited == ahead)
-        return SALTUS_OK;
-    if (isfinite(l->visited) && !crosses) {
-        status = saltus_curve_revisit(o->equations, &l->from->at, ahead, &l->out->at, NULL);
-        if (status == SALTUS_OK && saltus_curve_strays(&l->from->at, &l->out->at))
-            status = SALTUS_NO_CONVERGENCE;
-        if (status == SALTUS_OK)
-            status = saltus_solution_see(o, l->out, NULL);
-    }
-    if (status != SALTUS_OK && saltus_orbits_noted(o, status) != SALTUS_NO_MEMORY)
-        status = saltus_solution_visit(o, l->from, ahead, l->out, NULL);
-    l->visited = status == SALTUS_OK ? ahead : NAN;
-    return status;
+        return true;
+    if (isfinite(l->visited) && !crosses)
+        found = saltus_orbits_noted(
+                    o, saltus_curve_revisit(o->equations, &l->from->at, ahead, &l->out->at)) == SALTUS_OK &&
+                !saltus_curve_strays(&l->from->at, &l->out->at) &&
+                saltus_solution_see(o, l->out, NULL) == SALTUS_OK;
+    found = found || saltus_solution_visit(o, l->from, ahead, l->out);
+    l->visited = found ? ahead : NAN;
+    return found;
 }
 
 static bool test_at(void *context, double ahead, double *value) {
     location *l = context;
-    saltus_status status = visit(l, ahead);
+    bool found = visit(l, ahead);
     /* The equations may be singular at this very point. */
-    for (int side = -1; side <= 1 && l->end != 0 && status != SALTUS_OK; side += 2)
-        status = visit(l, ahead + side * 1e-5 * l->end);
-    if (status == SALTUS_OK && l->test == SALTUS_TEST_PAIR)
-        status = saltus_solution_survey(l->orbits, l->out, NULL);
+    for (int side = -1; side <= 1 && l->end != 0 && !found; side += 2)
+        found = visit(l, ahead + side * 1e-5 * l->end);
+    if (found && l->test == SALTUS_TEST_PAIR)
+        found = saltus_solution_survey(l->orbits, l->out, NULL) == SALTUS_OK;
     *value = saltus_test_value(l->test, l->target, l->out, l->from);
-    return status == SALTUS_OK;
+    return found;
 }
 
 saltus_zero saltus_solution_zero_between(saltus_orbits *o, saltus_test test, double target,
@@ -455,7 +452,7 @@ saltus_zero saltus_solution_zero_between(saltus_orbits *o, saltus_test test, dou
                   SALTUS_OK)
         l.visited = to->at.ahead;
     if (!saltus_curve_zero(o->solver, test_at, &l, ends, values, &zero.ahead, &width) ||
-        visit(&l, zero.ahead) != SALTUS_OK)
+        !visit(&l, zero.ahead))
         return zero;
     double unit = o->family.unit[0], slope = fabs(saltus_solution_heading(out)) * unit;
     zero.accuracy = slope * width + unit * width * width;
@@ -495,7 +492,7 @@ saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const sal
         zero = (saltus_zero){.found = pass > 0, .ahead = place, .accuracy = accuracy};
         memcpy(best, work, m * sizeof *best);
         settled = pass > 0 && by == SALTUS_TEST_CROSSING &&
-                  saltus_curve_settle(o->equations, work, &error, NULL) == SALTUS_OK;
+                  saltus_orbits_noted(o, saltus_curve_settle(o->equations, work, &error)) == SALTUS_OK;
         double moved = 0;
         for (size_t j = 0; j < m && settled; j++)
             moved = hypot(moved, work[j] - best[j]);

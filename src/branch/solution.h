@@ -96,11 +96,12 @@ double saltus_solution_way(const saltus_solution *solution);
 bool saltus_solution_rests(const saltus_solution *solution, const saltus_solution *near);
 /* Fill in everything but tangent and survey from the shooting's last evaluation, at out->at.u. */
 saltus_status saltus_solution_see(saltus_orbits *orbits, saltus_solution *out, saltus_message *message);
-/* The point of the curve at arclength `ahead` from another. Errors: no such point near. */
-saltus_status saltus_solution_visit(saltus_orbits *orbits, const saltus_solution *from, double ahead,
-                                    saltus_solution *out, saltus_message *message);
-/* Let the event-driven flow go around a solution that has the shooting's sequence. */
-saltus_status saltus_solution_walk(saltus_orbits *orbits, saltus_solution *solution, saltus_message *message);
+/* The point of the curve at arclength `ahead` from another. False if there is no such point near. */
+bool saltus_solution_visit(saltus_orbits *orbits, const saltus_solution *from, double ahead,
+                           saltus_solution *out);
+/* Let the event-driven flow go around a solution that has the shooting's sequence. False if there is no flow
+ * at its parameters. */
+bool saltus_solution_walk(saltus_orbits *orbits, saltus_solution *solution);
 /* Once around an orbit whose period is an unknown, from return to return (orbit/poincare.h). False if the
  * flow fails. */
 bool saltus_cycle_around(saltus_orbits *orbits, const saltus_solution *solution, saltus_lap *lap);

@@ -95,8 +95,7 @@ static place place_of(const saltus_solution *s, const saltus_solution *from, dou
 
 /* `scratch` becomes the orbit at a place, surveyed. False: there is none on this curve. */
 static bool look(saltus_orbits *o, const saltus_solution *from, double ahead, saltus_solution *scratch) {
-    return saltus_solution_visit(o, from, ahead, scratch, NULL) == SALTUS_OK &&
-           !saltus_special_strays(o, from, scratch) &&
+    return saltus_solution_visit(o, from, ahead, scratch) && !saltus_special_strays(o, from, scratch) &&
            saltus_orbits_noted(o, saltus_solution_survey(o, scratch, NULL)) == SALTUS_OK;
 }
 
@@ -251,12 +250,12 @@ static const double apart = 1e-6;
 static bool test_beside(saltus_orbits *o, saltus_test test, const saltus_breach *touch,
                         const saltus_solution *at, double ahead, saltus_solution *scratch, double *parameter,
                         double *value) {
-    saltus_status status = saltus_solution_visit(o, at, ahead, scratch, NULL);
-    if (status == SALTUS_OK && test == SALTUS_TEST_PAIR)
-        status = saltus_solution_survey(o, scratch, NULL);
+    const bool found = saltus_solution_visit(o, at, ahead, scratch);
+    if (found && test == SALTUS_TEST_PAIR)
+        saltus_solution_survey(o, scratch, NULL);
     *parameter = scratch->parameter[0];
-    *value = status == SALTUS_OK ? saltus_test_value(test, 0, scratch, at) : NAN;
-    if (status == SALTUS_OK && test == SALTUS_TEST_BREACH) {
+    *value = found ? saltus_test_value(test, 0, scratch, at) : NAN;
+    if (found && test == SALTUS_TEST_BREACH) {
         double nearest = INFINITY;
         for (int k = 0; k < scratch->breach_count; k++) {
             const saltus_breach *b = &scratch->breaches[k];
@@ -266,7 +265,7 @@ static bool test_beside(saltus_orbits *o, saltus_test test, const saltus_breach 
             }
         }
     }
-    return saltus_orbits_noted(o, status) == SALTUS_OK && isfinite(*value);
+    return isfinite(*value);
 }
 
 /* The parabola through three points of `y` one apart, at x from the middle one; *slope: its derivative. */
@@ -405,8 +404,8 @@ static saltus_zero zero_between_halves(saltus_orbits *o, const saltus_solution *
     for (int k = 0; k < 3 && status == SALTUS_OK && !zero.found; k++) {
         if (mirrored) {
             zero = saltus_solution_crossing(&own, SALTUS_TEST_CROSSING, &between, 0, reach[k], &place);
-        } else if (saltus_solution_visit(&own, &between, -reach[k], &side[0], NULL) == SALTUS_OK &&
-                   saltus_solution_visit(&own, &side[0], 2 * reach[k], &side[1], NULL) == SALTUS_OK &&
+        } else if (saltus_solution_visit(&own, &between, -reach[k], &side[0]) &&
+                   saltus_solution_visit(&own, &side[0], 2 * reach[k], &side[1]) &&
                    saltus_test_crosses(saltus_test_value(SALTUS_TEST_FLIP, 0, &side[0], &side[0]),
                                        saltus_test_value(SALTUS_TEST_FLIP, 0, &side[1], &side[0]))) {
             zero = saltus_solution_zero(&own, SALTUS_TEST_FLIP, 0, &side[0], &side[1], &place);
@@ -506,7 +505,7 @@ bool saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double 
     special->sharp = crossing.found;
     if (crossing.found)
         special->accuracy = crossing.accuracy + doubt_of(o, by, from, special->ahead, reach, at->value);
-    else if (saltus_solution_visit(o, from, special->ahead, at, NULL) != SALTUS_OK)
+    else if (!saltus_solution_visit(o, from, special->ahead, at))
         return false;
     saltus_solution_survey(o, at, NULL);
     special->value = at->value;

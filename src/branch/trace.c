@@ -73,7 +73,7 @@ void saltus_trace_end(saltus_trace *t, const saltus_solution *s, double ahead, c
 /* Visit `trial` at this distance along the step and return its number of returns; -1 where there is none. */
 static int returns_at(saltus_trace *t, double ahead) {
     saltus_lap lap = {0};
-    const bool found = saltus_solution_visit(&t->orbits, t->here, ahead, t->trial, NULL) == SALTUS_OK &&
+    const bool found = saltus_solution_visit(&t->orbits, t->here, ahead, t->trial) &&
                        saltus_cycle_around(&t->orbits, t->trial, &lap);
     int returns = found ? lap.returns : -1;
     saltus_lap_close(&lap);

@@ -125,9 +125,7 @@ void saltus_trace_follow_joined(saltus_trace *t, const saltus_solution *at, salt
     saltus_status status = saltus_orbits_open(&own, NULL);
     if (status == SALTUS_OK)
         status = saltus_special_between(o, &own, at, kind == SALTUS_POINT_BP, &between);
-    if (status == SALTUS_OK)
-        status = saltus_solution_walk(&own, &between, NULL);
-    if (status == SALTUS_OK && between.survey.walked) {
+    if (status == SALTUS_OK && saltus_solution_walk(&own, &between) && between.survey.walked) {
         saltus_sequence_turn(&between.sequence, between.sequence.base, 1, &start.sequence, NULL);
         start.parameter = between.parameter[0];
         memcpy(start.state, between.state, sizeof start.state);

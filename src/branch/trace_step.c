@@ -119,8 +119,7 @@ static bool visit_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus
         is_one = saltus_special_visit(o, t->here, t->next->at.ahead, special, t->trial);
     } else if (is_one) {
         SALTUS_SWAP(t->trial, t->other);
-        const bool found =
-            hopf->shrunk.found && saltus_cycle_shrink(o, &hopf->shrunk, t->trial, NULL) == SALTUS_OK;
+        const bool found = hopf->shrunk.found && saltus_cycle_shrink(o, &hopf->shrunk, t->trial);
         special->kind = found ? SALTUS_POINT_HB : SALTUS_POINT_EP;
         special->value = t->trial->value;
         special->accuracy = found ? o->family.unit[0] * hopf->shrunk.accuracy : NAN;
@@ -196,7 +195,7 @@ static bool seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const salt
         if (special.kind == SALTUS_POINT_BP)
             is_one = visit_special(t, hopf, &special);
         else if (special.kind != SALTUS_POINT_HB)
-            is_one = saltus_solution_visit(&t->orbits, t->here, special.ahead, t->trial, NULL) == SALTUS_OK;
+            is_one = saltus_solution_visit(&t->orbits, t->here, special.ahead, t->trial);
         again = !is_one || (special.kind == SALTUS_POINT_BP && !isfinite(special.accuracy));
     }
     if (again)
@@ -407,8 +406,7 @@ static double hidden_breach(saltus_trace *t) {
     double rest = t->next->at.ahead;
     for (int k = 0; k < halvings; k++) {
         rest *= 0.5;
-        if (saltus_solution_visit(&t->orbits, t->here, t->next->at.ahead - rest, t->trial, NULL) ==
-                SALTUS_OK &&
+        if (saltus_solution_visit(&t->orbits, t->here, t->next->at.ahead - rest, t->trial) &&
             t->trial->worst.value > 0 && t->trial->worst.kind == SALTUS_BREACH_GAP)
             return t->next->at.ahead - rest;
     }
@@ -504,11 +502,11 @@ static bool jumps(saltus_trace *t) {
     saltus_solution *middle = t->trial, *free = t->spare;
     while (far->ahead > least && saltus_dot(here->tangent, far->tangent, here->unknowns) < straight) {
         double rest = 0, apart = 0;
-        if (saltus_solution_visit(&t->orbits, t->here, 0.5 * far->ahead, middle, NULL) != SALTUS_OK)
+        if (!saltus_solution_visit(&t->orbits, t->here, 0.5 * far->ahead, middle))
             return true;
         for (int j = 0; j < here->unknowns; j++)
             rest += middle->at.tangent[j] * (far->u[j] - middle->at.u[j]);
-        if (saltus_solution_visit(&t->orbits, middle, rest, t->other, NULL) != SALTUS_OK)
+        if (!saltus_solution_visit(&t->orbits, middle, rest, t->other))
             return true;
         for (int j = 0; j < here->unknowns; j++)
             apart = hypot(apart, far->u[j] - reached->u[j]);
@@ -567,7 +565,7 @@ static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *re
     for (double back = least; back <= most && status == SALTUS_OK && !(surveyed && t->next->survey.follows);
          back *= 10) {
         if (t->next->at.ahead <= 10 * back ||
-            saltus_solution_visit(o, t->here, t->next->at.ahead - back, t->trial, NULL) != SALTUS_OK)
+            !saltus_solution_visit(o, t->here, t->next->at.ahead - back, t->trial))
             break;
         status = saltus_solution_survey(o, t->trial, message);
         SALTUS_SWAP(t->trial->survey, t->next->survey);
