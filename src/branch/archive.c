@@ -86,19 +86,6 @@ void *saltus_archive_list(saltus_archive *a, void *things, int *count, size_t si
     return things;
 }
 
-void saltus_archive_array(saltus_archive *a, double **values, size_t count) {
-    if (a->reading) {
-        a->sound = a->sound && count <= a->count - a->at;
-        if (!a->sound)
-            return;
-        free(*values);
-        *values = calloc(count + 1, sizeof **values);
-        if (!found(a, *values))
-            return;
-    }
-    saltus_archive_finite(a, *values, count);
-}
-
 static saltus_event_kind event_kind(saltus_archive *a, saltus_event_kind kind) {
     kind = (saltus_event_kind)saltus_archive_whole(a, kind, 0, 64);
     a->sound = a->sound && (kind == SALTUS_IMPACT || kind == SALTUS_STICK || kind == SALTUS_RELEASE);

@@ -36,9 +36,6 @@ void saltus_archive_label(saltus_archive *archive, char label[SALTUS_LABEL_MAX])
 /* A list of `count` things of `size` bytes and at least `each` numbers each: archives the count; reading, the
  * list is replaced by a zeroed one. Returns the list. */
 void *saltus_archive_list(saltus_archive *archive, void *things, int *count, size_t size, size_t each);
-/* An array of `count` finite numbers; reading, it is allocated. */
-void saltus_archive_array(saltus_archive *archive, double **values, size_t count);
-
 /* An event sequence. */
 void saltus_archive_sequence(saltus_archive *archive, saltus_sequence *sequence);
 /* The point's room is grown as needed. */

@@ -36,10 +36,9 @@ void saltus_boundary_leave(saltus_rests *rests, const saltus_rest *at, int face,
  * equilibrium. Errors: SALTUS_NO_MEMORY; others if none is found. */
 saltus_status saltus_boundary_cycle(saltus_orbits *orbits, const saltus_branch_start *start, double distance,
                                     saltus_solution *out, saltus_message *message);
-/* Whether cycles with impacts, but without lasting contacts, are small and shrink from `here` to `next`. */
-bool saltus_boundary_is_near(const saltus_solution *here, const saltus_solution *next);
-/* Where such cycles shrink to an equilibrium: `zero`, from `here`, the parameter's *value there, and the last
- * cycle as `at`, whose sequence the shooting has. False if they do not. */
+/* Where small cycles with impacts, but without lasting contacts, shrink to an equilibrium: `zero`, from
+ * `here`, the parameter's *value there, and the last cycle as `at`, whose sequence the shooting has. False if
+ * they do not; the shooting then has that of `here`. */
 bool saltus_boundary_reach(saltus_orbits *orbits, const saltus_solution *here, const saltus_solution *next,
                            saltus_solution *at, saltus_zero *zero, double *value);
 

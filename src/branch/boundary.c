@@ -240,7 +240,8 @@ static double impact_speed(const saltus_solution *s) {
     return fastest > -INFINITY ? fastest : INFINITY;
 }
 
-bool saltus_boundary_is_near(const saltus_solution *here, const saltus_solution *next) {
+/* Whether cycles with impacts, but without lasting contacts, are small and shrink from `here` to `next`. */
+static bool shrink(const saltus_solution *here, const saltus_solution *next) {
     const double small = 1e-2, near = impact_speed(here), far = impact_speed(next);
     return far < small && far < near && saltus_solution_way(next) < small;
 }
@@ -257,12 +258,14 @@ static saltus_status cut_in_flight(saltus_orbits *o, const saltus_solution *s, s
 bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const saltus_solution *next,
                            saltus_solution *at, saltus_zero *zero, double *value) {
     enum { rounds = 5 };
-    const double shrink = 0.2;
+    const double nearer = 0.2;
     const int n = o->n;
     double state[2][SALTUS_STATE_MAX], guess[SALTUS_STATE_MAX];
     double place[2] = {here->parameter[0], next->parameter[0]};
     double size[2] = {impact_speed(here), impact_speed(next)}, end = NAN, before = NAN;
     saltus_sequence sequence;
+    if (!shrink(here, next))
+        return false;
     bool sound = cut_in_flight(o, here, &sequence, state[0]) == SALTUS_OK &&
                  cut_in_flight(o, next, &sequence, state[1]) == SALTUS_OK;
     for (int k = 0; k <= rounds && sound; k++) {
@@ -270,7 +273,7 @@ bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const 
         end = place[1] + (place[1] - place[0]) * size[1] / (size[0] - size[1]);
         if (k == rounds)
             break;
-        const double to = end + shrink * (place[1] - end), ahead = (to - place[1]) / (place[1] - place[0]);
+        const double to = end + nearer * (place[1] - end), ahead = (to - place[1]) / (place[1] - place[0]);
         for (int i = 0; i < n; i++)
             guess[i] = state[1][i] + ahead * (state[1][i] - state[0][i]);
         saltus_status status = saltus_orbits_tune(o, &to, sequence.omega, NULL);
@@ -294,5 +297,8 @@ bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const 
     *zero = (saltus_zero){.found = sound, .accuracy = unit * fabs(end - before)};
     zero->ahead = next->at.ahead * (end - here->parameter[0]) / way;
     *value = o->origin + unit * end;
-    return sound && fabs(end - before) < 1e-3 && zero->ahead > 0;
+    if (sound && fabs(end - before) < 1e-3 && zero->ahead > 0)
+        return true;
+    saltus_orbits_reshape(o, here);
+    return false;
 }

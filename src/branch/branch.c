@@ -107,24 +107,18 @@ static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
     const saltus_branch_options *options = &b->options;
     const saltus_point_kind kind = options->locus;
     const saltus_orbits *o = &b->trace.orbits;
-    const saltus_solution *orbit = b->trace.found;
-    const bool of_rests = !orbit || kind == SALTUS_POINT_HB;
-    saltus_locus_start first = b->equilibria.found;
+    const bool of_rests = !b->trace.found.kind || kind == SALTUS_POINT_HB;
+    const saltus_locus_start *first = b->trace.found.kind ? &b->trace.found : &b->equilibria.found;
     saltus_message why = {.text = ""};
-    if (orbit)
-        first = saltus_locus_start_at(kind, orbit, kind == SALTUS_POINT_GR ? &b->trace.beyond : NULL);
-    if (!first.kind)
+    if (!first->kind)
         return SALTUS_OK;
-    if (orbit && of_rests)
-        first.sequence = (saltus_sequence){.contacts = orbit->sequence.contacts,
-                                           .omega = orbit->sequence.omega / orbit->sequence.periods};
     b->phase = of_rests ? RUN_REST_LOCUS : RUN_LOCUS;
-    saltus_status status = open_loci(b, &first, &why);
+    saltus_status status = open_loci(b, first, &why);
     return status == SALTUS_OK
                ? status
                : saltus_fail(message, status, "no curve of %s points can be begun at %s = %.12g: %.200s",
                              saltus_point_word(kind), options->key[0],
-                             o->origin + o->family.unit[0] * first.parameter[0], why.text);
+                             o->origin + o->family.unit[0] * first->parameter[0], why.text);
 }
 
 /* One step along the curves of special equilibria or orbits of the present phase; where none of them is left,

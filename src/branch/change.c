@@ -488,7 +488,8 @@ void saltus_births_note(saltus_births *run, bool born, double place) {
         run->place[run->count - 1] = place;
 }
 
-bool saltus_births_accumulate(const saltus_births *run, double *limit, double *rest) {
+/* Whether the births form a geometric sequence: its limit, and how far that is from the last birth. */
+static bool accumulate(const saltus_births *run, double *limit, double *rest) {
     const double steady = 0.05, slowest = 0.95, least = 1e-10;
     double ratio[saltus_births_length - 2];
     if (run->count < saltus_births_length)
@@ -502,13 +503,13 @@ bool saltus_births_accumulate(const saltus_births *run, double *limit, double *r
            fabs(*rest) > least;
 }
 
-bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, double limit, double rest,
+bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, const saltus_births *births,
                             bool far, const double range[2], saltus_solution *at, saltus_solution *here,
                             saltus_solution *scratch, saltus_change *change) {
     static const double reach[] = {1, 4, 0.25, 16};
     const double sharp = far ? 0.02 : 0.2, near = far ? 0.5 : 1e-2;
-    double state[SALTUS_STATE_MAX];
-    bool found = false, there = false;
+    double state[SALTUS_STATE_MAX], limit, rest;
+    bool found = false, there = !accumulate(births, &limit, &rest);
     /* The far side first; but where the parameter turns back as impacts are born, the near side may be the
      * right one. */
     for (size_t k = 0; k < 2 * sizeof reach / sizeof reach[0] && !there; k++) {
@@ -535,6 +536,8 @@ bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, doubl
                                   .distance = -ahead};
         saltus_solution_label(o, here, change->after);
     }
+    if (!found)
+        saltus_orbits_reshape(o, from);
     return found;
 }
 

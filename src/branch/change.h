@@ -64,14 +64,14 @@ typedef struct saltus_births {
 
 /* An impact is born at `place`, or one dies, which clears the list. */
 void saltus_births_note(saltus_births *births, bool born, double place);
-/* Whether the births form a geometric sequence: its limit, and how far that is from the last birth. */
-bool saltus_births_accumulate(const saltus_births *births, double *limit, double *rest);
-/* Chatter completes where births of impacts accumulate: near the parameter `limit`, to within a fraction of
- * `rest`, the distance of the last birth. From `from`, an orbit near there, `at` becomes the orbit on which
- * the contact after complete chatter has zero length, `here` one beyond, within `range`. `far`: `from` may be
- * further away, but the place must agree better with `limit`. `scratch` is overwritten. False: no orbit with
- * complete chatter that begins there was found. */
-bool saltus_change_complete(saltus_orbits *orbits, const saltus_solution *from, double limit, double rest,
+/* Chatter completes where births of impacts accumulate, in a geometric sequence: at its limit, to within a
+ * fraction of the distance of the last birth from there. From `from`, an orbit near there, `at` becomes the
+ * orbit on which the contact after complete chatter has zero length, `here` one beyond, within `range`.
+ * `far`: `from` may be further away, but the place must agree better with the limit. `scratch` is
+ * overwritten. False if no orbit with complete chatter that begins there was found; the shooting then has the
+ * sequence of `from`.
+ */
+bool saltus_change_complete(saltus_orbits *orbits, const saltus_solution *from, const saltus_births *births,
                             bool far, const double range[2], saltus_solution *at, saltus_solution *here,
                             saltus_solution *scratch, saltus_change *change);
 /* The label changes between `from` and `to` while the prescribed events stay the same: the change is in the

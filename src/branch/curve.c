@@ -143,8 +143,7 @@ typedef struct settling {
 } settling;
 
 /* Newton's step from the point last evaluated. */
-static saltus_status settling_step(saltus_equations *e, settling *s, const double *u,
-                                   saltus_message *message) {
+static saltus_status settling_step(saltus_equations *e, settling *s, const double *u) {
     const int m = e->unknowns, c = e->count, size = m + 1;
     saltus_status status = SALTUS_OK;
     for (int i = 0; i < size; i++)
@@ -155,18 +154,18 @@ static saltus_status settling_step(saltus_equations *e, settling *s, const doubl
     memset(s->v, 0, 3 * (size_t)size * sizeof *s->v);
     s->v[c] = s->v[size + c + 1] = s->w[m] = 1;
     if (!saltus_dense_factor(&s->lu, s->matrix))
-        return saltus_fail(message, SALTUS_SINGULAR, "no crossing of two curves");
+        return SALTUS_SINGULAR;
     saltus_dense_resolve(&s->lu, false, 2, s->v);
     saltus_dense_resolve(&s->lu, true, 1, s->w);
     for (int i = 0; i < c; i++)
         s->step[i] = -e->residual[i] - s->off * s->b[i];
     for (int k = 0; k < 2 && status == SALTUS_OK; k++) {
         s->step[c + k] = s->v[k * size + m];
-        status = bend_along(e, u, s->v + k * size, s->w, s->aside, s->matrix + (c + k) * size, message);
+        status = bend_along(e, u, s->v + k * size, s->w, s->aside, s->matrix + (c + k) * size, NULL);
         s->matrix[(c + k) * size + m] = 0;
     }
     if (status == SALTUS_OK && !saltus_dense_factor(&s->lu, s->matrix))
-        return saltus_fail(message, SALTUS_SINGULAR, "no crossing of two curves");
+        return SALTUS_SINGULAR;
     if (status == SALTUS_OK)
         saltus_dense_resolve(&s->lu, false, 1, s->step);
     return status;
@@ -194,7 +193,7 @@ saltus_status saltus_curve_settle(saltus_equations *e, double *u, double *error)
     if (status == SALTUS_OK)
         status = find_left(e, s.plane + m, s.matrix, s.b);
     for (int round = 0; round < rounds && status == SALTUS_OK && best > nothing; round++) {
-        status = settling_step(e, &s, u, NULL);
+        status = settling_step(e, &s, u);
         const double length = saltus_length(s.step, m);
         if (status != SALTUS_OK || !(length < best))
             break;

@@ -17,7 +17,9 @@ static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const
     saltus_event event = {.kind = SALTUS_STEP};
     double state[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX];
     *least = INFINITY;
-    saltus_status status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, s->state, NULL);
+    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, s->state, NULL);
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
         status = saltus_flow_advance(o->flow, (saltus_time){1, 0}, SALTUS_WATCH_STEP, &event, NULL);
         const double length = status == SALTUS_OK ? saltus_flow_step_length(o->flow, 0) : 0;
@@ -52,9 +54,7 @@ static passed_rest cycle_passes(saltus_orbits *o, const saltus_solution *s) {
     saltus_equilibrium rest = {0};
     passed_rest passed = {.found = false};
     double slowest[SALTUS_STATE_MAX] = {0}, speed;
-    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, NULL);
-    if (status == SALTUS_OK)
-        status = go_around(o, s, NULL, slowest, &speed);
+    saltus_status status = go_around(o, s, NULL, slowest, &speed);
     if (status == SALTUS_OK)
         status = saltus_equilibrium_find(o->system, slowest, &how, &rest, NULL);
     if (status == SALTUS_OK)
@@ -124,9 +124,7 @@ static bool seek_birth(saltus_orbits *o, const saltus_solution *s, double *param
     double slowest[SALTUS_STATE_MAX] = {0}, field[SALTUS_STATE_MAX], place[unknowns_max],
            normal[unknowns_max], speed, size = 0;
     bool found = false;
-    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, NULL);
-    if (status == SALTUS_OK)
-        status = go_around(o, s, NULL, slowest, &speed);
+    saltus_status status = go_around(o, s, NULL, slowest, &speed);
     if (status == SALTUS_OK)
         status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, slowest, NULL);
     if (status == SALTUS_OK && !saltus_flow_contacts(o->flow, 0)) {
@@ -358,7 +356,8 @@ static double common_speed(const saltus_solution *s) {
     return count > 1 && count == s->sequence.count && most - least < alike ? 0.5 * (least + most) : NAN;
 }
 
-bool saltus_cycle_fades(const saltus_orbits *o, const saltus_solution *here, const saltus_solution *next) {
+/* Whether all impacts of a cycle of a planar flow lose their speed at once on the step ahead. */
+static bool fades(const saltus_orbits *o, const saltus_solution *here, const saltus_solution *next) {
     const double slow = 0.3, share = 0.5;
     const double before = common_speed(here), after = common_speed(next);
     const double way = (next->parameter[0] - here->parameter[0]) * saltus_solution_heading(here);
@@ -366,14 +365,17 @@ bool saltus_cycle_fades(const saltus_orbits *o, const saltus_solution *here, con
            before > 0 && before < slow && !(after > share * before && way > 0);
 }
 
-saltus_zero saltus_cycle_touches(saltus_orbits *o, const saltus_solution *here, const double range[2],
-                                 saltus_solution *at, saltus_solution *bare, saltus_solution *scratch) {
+saltus_zero saltus_cycle_fades(saltus_orbits *o, const saltus_solution *here, const saltus_solution *next,
+                               const double range[2], saltus_solution *at, saltus_solution *bare,
+                               saltus_solution *scratch) {
     static const double reach[] = {1e-4, 1e-3, 3e-3, 1e-2, 3e-2};
     enum { reaches = sizeof reach / sizeof reach[0] };
     const double heading = saltus_solution_heading(here);
     saltus_zero zero = {.found = false};
     saltus_sequence without = here->sequence;
     without.count = 0;
+    if (!fades(o, here, next))
+        return zero;
     for (int k = 0; k < reaches && !zero.found; k++) {
         const double parameter = here->parameter[0] + copysign(reach[k], heading);
         if (parameter < range[0] || parameter > range[1] ||
@@ -386,5 +388,7 @@ saltus_zero saltus_cycle_touches(saltus_orbits *o, const saltus_solution *here, 
         if (saltus_solution_visit(o, bare, back, scratch) && scratch->worst.value > 0)
             zero = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, bare, scratch, at);
     }
+    if (!zero.found)
+        saltus_orbits_reshape(o, here);
     return zero;
 }

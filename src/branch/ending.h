@@ -53,14 +53,12 @@ bool saltus_cycle_shrink(saltus_orbits *orbits, const saltus_shrunk *hopf, saltu
 /* Whether the orbits at one value of the parameter may form a family: one multiplier is 1 besides the trivial
  * one along the flow. */
 bool saltus_cycle_of_family(const saltus_solution *orbit);
-/* Whether all impacts of a cycle of a planar flow lose their speed at once on the step ahead. The cycle
+/* Whether all impacts of a cycle of a planar flow lose their speed at once on the step to `next`. The cycle
  * forgets when its impacts happen, so that at zero speed its equations are singular in two directions and
- * lead anywhere. */
-bool saltus_cycle_fades(const saltus_orbits *orbits, const saltus_solution *here,
-                        const saltus_solution *next);
-/* Locate that place on the cycle without impacts, which touches its stops there: `at`. `bare` becomes such a
- * cycle a little further on, with a tangent that leads back. */
-saltus_zero saltus_cycle_touches(saltus_orbits *orbits, const saltus_solution *here, const double range[2],
-                                 saltus_solution *at, saltus_solution *bare, saltus_solution *scratch);
+ * lead anywhere. So the place is located on the cycle without impacts, which touches its stops there: `at`.
+ * `bare` becomes such a cycle a little further on, with a tangent that leads back. */
+saltus_zero saltus_cycle_fades(saltus_orbits *orbits, const saltus_solution *here,
+                               const saltus_solution *next, const double range[2], saltus_solution *at,
+                               saltus_solution *bare, saltus_solution *scratch);
 
 #endif

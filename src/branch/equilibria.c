@@ -81,7 +81,9 @@ bool saltus_rest_give(saltus_rests *r, const saltus_rest *s, saltus_notice what,
     const bool touches = special->kind == SALTUS_POINT_BE;
     const saltus_breach touch = {.face = special->face};
     saltus_branch_point point;
-    if (saltus_rests_noted(r, saltus_point_open(&point, r->n, 0, NULL)) != SALTUS_OK)
+    const bool room = saltus_point_open(&point, r->n, 0);
+    r->starved |= !room;
+    if (!room)
         return trail->following = false;
     point.spec = saltus_family_spec(&r->family, s->parameter, 0);
     for (int d = 0; d < r->family.parameters; d++) {

@@ -120,7 +120,7 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
         saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->here.orbit, message);
     const bool may_mirror = breaks || start->kind == SALTUS_POINT_GR || o->system->mirror;
     if (status == SALTUS_OK && !start->leaves && may_mirror &&
-        saltus_solution_half_distance(o, &l->here.orbit, true) < (breaks ? 1e-3 : alike))
+        saltus_solution_part_distance(o, &l->here.orbit, 1, NULL) < (breaks ? 1e-3 : alike))
         become(l, start->kind, true);
     int parts;
     if (status == SALTUS_OK && start->kind == SALTUS_POINT_GR && !start->leaves &&
@@ -179,35 +179,11 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
         return status;
     if (!saltus_locus_see(&l->x, &l->here))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, lost);
-    const size_t bytes = (size_t)l->x.equations.unknowns * sizeof *l->beginning;
-    double *grown = realloc(l->beginning, bytes);
-    if (!grown)
+    if (!saltus_curve_copy(&l->here.at, &l->beginning))
         return saltus_branch_no_memory(message);
-    l->beginning = memcpy(grown, l->here.at.u, bytes);
     l->first = l->here.orbit.sequence;
     l->first_mark = l->x.mark;
     return SALTUS_OK;
-}
-
-saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_solution *at,
-                                         const saltus_sequence *beyond) {
-    const bool born = beyond && beyond->count > at->sequence.count;
-    const saltus_sequence *more = born ? beyond : &at->sequence, *less = born ? &at->sequence : beyond;
-    saltus_locus_start start = {
-        .kind = kind, .sequence = *more, .parameter = {at->parameter[0], 0}, .parent = -1};
-    memcpy(start.state, at->state, sizeof start.state);
-    while (less && start.mark < less->count && more->mark[start.mark].time == less->mark[start.mark].time)
-        start.mark++;
-    /* The angle of the pair on the unit circle. */
-    double best = INFINITY;
-    for (int i = 0; i < at->survey.multiplier_count && kind == SALTUS_POINT_NS; i++) {
-        const saltus_multiplier mu = at->survey.multipliers[i];
-        if (!(mu.im > 0 && fabs(mu.log_modulus) < best))
-            continue;
-        best = fabs(mu.log_modulus);
-        start.theta = atan2(mu.im, mu.re);
-    }
-    return start;
 }
 
 saltus_status saltus_locus_open(saltus_locus *l, const saltus_spec *spec, const saltus_locus_start *first,
@@ -241,7 +217,7 @@ void saltus_locus_close(saltus_locus *l) {
     saltus_locus_point_clear(&l->next);
     saltus_locus_point_clear(&l->trial);
     saltus_orbits_close(&l->x.orbits);
-    free(l->beginning);
+    saltus_curve_clear(&l->beginning);
     *l = (saltus_locus){.trail = l->trail, .starts = l->starts};
 }
 
@@ -289,7 +265,7 @@ static void give(saltus_locus *l, const saltus_locus_point *p, saltus_point_kind
 
 /* Whether the last step, from what is now `next` to `here`, has passed the first point in its direction. */
 static bool is_closed(saltus_locus *l) {
-    const double *first = l->beginning + saltus_sequence_unknowns(&l->first, l->x.orbits.n);
+    const double *first = l->beginning.u + saltus_sequence_unknowns(&l->first, l->x.orbits.n);
     const double *to = plane_of(l, l->here.at.u), *from = plane_of(l, l->next.at.u);
     const double step[2] = {to[0] - from[0], to[1] - from[1]};
     const double back[2] = {first[0] - from[0], first[1] - from[1]};
@@ -423,11 +399,11 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
     if (l->way > 0) { /* return from where the first direction ended */
         l->x.mark = l->first_mark;
         status = saltus_shooting_shape(l->x.orbits.shooting, &l->first, message);
-        const double extra = l->beginning[l->x.orbits.equations->unknowns + l->x.extra - 1];
+        const double extra = l->beginning.u[l->x.orbits.equations->unknowns + l->x.extra - 1];
         if (status == SALTUS_OK && !begins_crossing(l)) {
-            status = saltus_locus_find_again(&l->x, &l->here, l->beginning, extra, message);
+            status = saltus_locus_find_again(&l->x, &l->here, l->beginning.u, extra, message);
         } else if (status == SALTUS_OK) {
-            status = saltus_locus_take_up(&l->x, &l->here, l->beginning, extra, message);
+            status = saltus_locus_take_up(&l->x, &l->here, l->beginning.u, extra, message);
             if (status == SALTUS_OK && saltus_locus_see_orbit(&l->x, &l->here))
                 status = saltus_locus_find_crossing(&l->x, &l->here, !l->x.mirrored, message);
         }
@@ -662,10 +638,10 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
         for (; !found && l->trail->step > stride_min; l->trail->step *= found ? 1 : 0.5) {
             const saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step,
                                                            bounds, 2, &l->next.at, reached, NULL);
-            found =
-                saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK && saltus_locus_see(&l->x, &l->next) &&
-                is_near(l, &l->next) && !saltus_curve_strays(&l->here.at, &l->next.at) &&
-                !saltus_locus_leaps(&l->here, &l->next) && saltus_locus_is_sound(&l->x, &l->here, &l->next);
+            found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
+                    saltus_locus_see(&l->x, &l->next) && is_near(l, &l->next) &&
+                    !saltus_curve_strays(&l->here.at, &l->next.at) &&
+                    saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
         if (!found) {
             give_end(l);
@@ -824,8 +800,12 @@ saltus_status saltus_locus_archive(saltus_locus *l, saltus_archive *a, saltus_me
     saltus_archive_sequence(a, &l->first);
     l->first_mark = (int)saltus_archive_whole(a, l->first_mark, 0, SALTUS_MARKS_MAX - 1);
     a->sound = a->sound && (kind != SALTUS_POINT_GR || l->first_mark < l->first.count);
-    const size_t count = (size_t)saltus_sequence_unknowns(&l->first, a->n);
-    saltus_archive_array(a, &l->beginning, count + 2 + (size_t)l->x.extra);
+    const int unknowns = saltus_sequence_unknowns(&l->first, a->n) + 2 + l->x.extra;
+    if (a->reading && a->sound)
+        a->starved = !saltus_curve_reserve(&l->beginning, unknowns);
+    a->sound = a->sound && !a->starved;
+    if (a->sound)
+        saltus_archive_finite(a, l->beginning.u, (size_t)unknowns);
     saltus_archive_finite(a, l->first_way, 2);
     l->has_left = saltus_archive_flag(a, l->has_left);
     archive_corners(l, a);

@@ -20,10 +20,10 @@ typedef struct saltus_locus {
     double origin[2];
     double border[2][2]; /* of both parameter unknowns: low, high */
     /* The current curve. */
-    saltus_point_kind begun_at; /* point of codimension two at which it begins; REGULAR: none */
-    int way_count, way;         /* directions from its first point, and those begun so far */
-    saltus_sequence first;      /* sequence of its first point */
-    double *beginning;          /* unknowns of its first point */
+    saltus_point_kind begun_at;   /* point of codimension two at which it begins; REGULAR: none */
+    int way_count, way;           /* directions from its first point, and those begun so far */
+    saltus_sequence first;        /* sequence of its first point */
+    saltus_curve_point beginning; /* its first point; of a resumed run only the unknowns */
     int first_mark;
     double first_way[2]; /* direction in the plane in which it left that point */
     bool has_left;       /* it has been more than a few steps away from there */
@@ -31,11 +31,7 @@ typedef struct saltus_locus {
     saltus_locus_point here, next, trial;
 } saltus_locus;
 
-/* The start of a curve at a special point `at` of a branch in the first parameter. At grazing `beyond` is the
- * sequence on the other side, otherwise NULL. */
-saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_solution *at,
-                                         const saltus_sequence *beyond);
-/* A locus through such a point; NULL: none, if it is to begin at one of the starts, or if
+/* A locus through a start; NULL: none, if it is to begin at one of the starts, or if
  * saltus_locus_archive is to read it. `trail` and `starts` must be set. When it is done, starts of curves of
  * Hopf points may wait: equilibria.h follows them. Close in any case. Errors: SALTUS_NO_MEMORY,
  * SALTUS_BAD_INPUT, SALTUS_NO_CONVERGENCE. */

@@ -127,7 +127,7 @@ saltus_status saltus_locus_find_crossing(saltus_extended *x, saltus_locus_point 
     const double singular = 1e-6;
     int m = x->equations.unknowns, n = x->orbits.n;
     double values[2], share[2][2] = {{0}}, length = 0, *plane = calloc(2 * (size_t)m, sizeof *plane);
-    bool mirrored = !(saltus_solution_half_distance(&x->orbits, &here->orbit, false) < 1e-6);
+    bool mirrored = !(saltus_solution_part_distance(&x->orbits, &here->orbit, 2, NULL) < 1e-6);
     saltus_status status = plane ? SALTUS_OK : saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(&x->equations, here->at.u, message);
@@ -290,12 +290,29 @@ static bool has_collapsed(const saltus_extended *x, const saltus_solution *s) {
     return false;
 }
 
+/* Whether a step has led to another piece of the curve, or another curve, beside it: on one smooth piece the
+ * chord's angles with the two tangents add up to that between these, or nearly so. */
+static bool leaps(const saltus_locus_point *here, const saltus_locus_point *to) {
+    const double share = 1.5, little = 0.05, shortest = 1e-3;
+    const int m = to->at.unknowns;
+    double distance = 0, from = 0, onto = 0, turn = 0;
+    for (int j = 0; j < m; j++)
+        distance = hypot(distance, to->at.u[j] - here->at.u[j]);
+    for (int j = 0; j < m; j++) {
+        const double chord = (to->at.u[j] - here->at.u[j]) / distance;
+        from = hypot(from, chord - here->at.tangent[j]);
+        onto = hypot(onto, chord - to->at.tangent[j]);
+        turn = hypot(turn, to->at.tangent[j] - here->at.tangent[j]);
+    }
+    return distance > shortest && from + onto > share * turn + little;
+}
+
 bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *here, const saltus_locus_point *p) {
     const double apart = 1e-6, nothing = 1e-9;
     const saltus_solution *s = &p->orbit;
     if (x->kind == SALTUS_POINT_BP && !(fabs(p->at.u[s->at.unknowns]) < 1e-8))
         return false;
-    if (has_collapsed(x, s))
+    if (leaps(here, p) || has_collapsed(x, s))
         return false;
     const double breach = saltus_corner_breach(x, s);
     if (breach > nothing)
@@ -309,21 +326,6 @@ bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *here, c
     /* Beyond a long run of impacts what makes the halves unlike is always small. */
     return distance >= apart ||
            (distance > nothing && distance > 0.5 * saltus_locus_apart(x, &here->orbit, NULL));
-}
-
-bool saltus_locus_leaps(const saltus_locus_point *here, const saltus_locus_point *to) {
-    const double share = 1.5, little = 0.05, shortest = 1e-3;
-    const int m = to->at.unknowns;
-    double distance = 0, from = 0, onto = 0, turn = 0;
-    for (int j = 0; j < m; j++)
-        distance = hypot(distance, to->at.u[j] - here->at.u[j]);
-    for (int j = 0; j < m; j++) {
-        const double chord = (to->at.u[j] - here->at.u[j]) / distance;
-        from = hypot(from, chord - here->at.tangent[j]);
-        onto = hypot(onto, chord - to->at.tangent[j]);
-        turn = hypot(turn, to->at.tangent[j] - here->at.tangent[j]);
-    }
-    return distance > shortest && from + onto > share * turn + little;
 }
 
 bool saltus_locus_reach(saltus_extended *x, const saltus_curve_point *from, double ahead, double *tolerance,

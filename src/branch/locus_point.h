@@ -58,9 +58,6 @@ bool saltus_locus_grows(const saltus_extended *extended, const saltus_solution *
 /* Cut the orbit at `here` better if that is so, or an event has come near its base or a cut; `scratch` is
  * overwritten. False: there is no such point. */
 bool saltus_locus_reframe(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *scratch);
-/* Whether a step has led to another piece of the curve, or another curve, beside it: on one smooth piece the
- * chord's angles with the two tangents add up to that between these, or nearly so. */
-bool saltus_locus_leaps(const saltus_locus_point *here, const saltus_locus_point *to);
 /* The point at arclength `ahead` from another on the curve, by the sharpest tolerance of the equations that
  * rounding allows, which is sought from *tolerance to `loosest`; *tolerance becomes that. */
 bool saltus_locus_reach(saltus_extended *extended, const saltus_curve_point *from, double ahead,
@@ -84,8 +81,9 @@ double saltus_locus_apart(saltus_extended *extended, const saltus_solution *orbi
  * if not, another impact grazes. */
 bool saltus_locus_joins_at(saltus_extended *extended, const saltus_locus_point *here,
                            const saltus_solution *orbit, bool breach);
-/* Whether the point is a valid orbit, special in the way that is followed. Beyond another impact's birth or
- * death it is not valid, but accepted, since the curve leads to that place. */
+/* Whether the point to which a step from `here` has led is on the same piece of the curve, and a valid orbit,
+ * special in the way that is followed. Beyond another impact's birth or death it is not valid, but accepted,
+ * since the curve leads to that place. */
 bool saltus_locus_is_sound(saltus_extended *extended, const saltus_locus_point *here,
                            const saltus_locus_point *point);
 /* Whether two multipliers of the orbit last evaluated are e^{i theta} and its conjugate: at folds the

@@ -25,6 +25,30 @@
 #include <stdlib.h>
 #include <string.h>
 
+saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_solution *at,
+                                         const saltus_sequence *beyond) {
+    const bool born = beyond && beyond->count > at->sequence.count;
+    const saltus_sequence *more = born ? beyond : &at->sequence, *less = born ? &at->sequence : beyond;
+    saltus_locus_start start = {
+        .kind = kind, .sequence = *more, .parameter = {at->parameter[0], 0}, .parent = -1};
+    memcpy(start.state, at->state, sizeof start.state);
+    while (less && start.mark < less->count && more->mark[start.mark].time == less->mark[start.mark].time)
+        start.mark++;
+    if (kind == SALTUS_POINT_HB) /* of the equilibrium */
+        start.sequence = (saltus_sequence){.contacts = at->sequence.contacts,
+                                           .omega = at->sequence.omega / at->sequence.periods};
+    /* The angle of the pair on the unit circle. */
+    double best = INFINITY;
+    for (int i = 0; i < at->survey.multiplier_count && kind == SALTUS_POINT_NS; i++) {
+        const saltus_multiplier mu = at->survey.multipliers[i];
+        if (!(mu.im > 0 && fabs(mu.log_modulus) < best))
+            continue;
+        best = fabs(mu.log_modulus);
+        start.theta = atan2(mu.im, mu.re);
+    }
+    return start;
+}
+
 void saltus_locus_starts_clear(saltus_locus_starts *starts) {
     free(starts->start);
     *starts = (saltus_locus_starts){.count = 0};

@@ -28,6 +28,11 @@ typedef struct saltus_locus_start {
     bool done; /* a curve has come here from elsewhere */
 } saltus_locus_start;
 
+/* The start of a curve at a special point `at` of a branch in the first parameter. `beyond`: at grazing the
+ * sequence on the other side. */
+saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_solution *at,
+                                         const saltus_sequence *beyond);
+
 typedef struct saltus_locus_starts {
     saltus_locus_start *start;
     int count, next;

@@ -48,8 +48,7 @@ void saltus_branch_point_clear(saltus_branch_point *point) {
     *point = (saltus_branch_point){0};
 }
 
-saltus_status saltus_point_open(saltus_branch_point *point, int dimension, int events,
-                                saltus_message *message) {
+bool saltus_point_open(saltus_branch_point *point, int dimension, int events) {
     const size_t n = (size_t)dimension;
     *point = (saltus_branch_point){.value = {NAN, NAN},
                                    .period = NAN,
@@ -61,17 +60,16 @@ saltus_status saltus_point_open(saltus_branch_point *point, int dimension, int e
                                    .events = calloc((size_t)events + 1, sizeof *point->events),
                                    .multipliers = calloc(n, sizeof *point->multipliers)};
     if (point->state && point->events && point->multipliers)
-        return SALTUS_OK;
+        return true;
     saltus_branch_point_clear(point);
-    return saltus_branch_no_memory(message);
+    return false;
 }
 
 saltus_status saltus_branch_point_copy(const saltus_branch_point *point, saltus_branch_point *copy,
                                        saltus_message *message) {
     const size_t n = (size_t)point->dimension, events = (size_t)point->event_count;
-    saltus_status status = saltus_point_open(copy, point->dimension, point->event_count, message);
-    if (status != SALTUS_OK)
-        return status;
+    if (!saltus_point_open(copy, point->dimension, point->event_count))
+        return saltus_branch_no_memory(message);
     saltus_branch_point own = *point;
     own.state = memcpy(copy->state, point->state, n * sizeof *own.state);
     own.events = copy->events;
@@ -206,9 +204,9 @@ bool saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescrib
     const saltus_spec spec = saltus_family_spec(&o->family, s->parameter, s->sequence.omega);
     const size_t state_bytes = (size_t)o->n * sizeof *point->state;
     *returns = -1;
-    const saltus_status status =
-        saltus_point_open(point, o->n, found ? seen : seen + s->sequence.count, NULL);
-    if (saltus_orbits_noted(o, status) != SALTUS_OK)
+    const bool room = saltus_point_open(point, o->n, found ? seen : seen + s->sequence.count);
+    o->starved |= !room;
+    if (!room)
         return false;
     point->value[0] = s->value;
     point->heading = saltus_solution_heading(s) * o->family.unit[0];

@@ -11,9 +11,8 @@
 extern const saltus_word saltus_point_words[];
 
 /* Allocate a point for `dimension` states and this number of events; values that may stay unknown are NAN.
- * Cleared if memory is lacking. */
-saltus_status saltus_point_open(saltus_branch_point *point, int dimension, int events,
-                                saltus_message *message);
+ * False without memory; the point is then cleared. */
+bool saltus_point_open(saltus_branch_point *point, int dimension, int events);
 /* Fill a point with what a surveyed solution tells. At changes of events it is chance which side the flow
  * sees: there take the `prescribed` events and state. *returns: the returns of a cycle to its section, -1 if
  * unknown. The point owns its arrays (saltus_branch_point_clear). False without memory, which is noted. */

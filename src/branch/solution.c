@@ -335,10 +335,6 @@ saltus_status saltus_orbits_evaluate(const saltus_orbits *o, const saltus_sequen
                                : status;
 }
 
-double saltus_solution_half_distance(saltus_orbits *o, const saltus_solution *s, bool mirrored) {
-    return saltus_solution_part_distance(o, s, mirrored ? 1 : 2, NULL);
-}
-
 double saltus_solution_part_distance(saltus_orbits *o, const saltus_solution *s, int parts, double *apart) {
     saltus_sequence cut = s->sequence;
     saltus_shooting *shooting = NULL;

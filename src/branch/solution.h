@@ -142,12 +142,9 @@ saltus_status saltus_orbits_shoot(const saltus_orbits *orbits, const saltus_sequ
 saltus_status saltus_orbits_evaluate(const saltus_orbits *orbits, const saltus_sequence *sequence,
                                      const double *parameters, const double *state,
                                      saltus_shooting **shooting, saltus_message *message);
-/* The scaled distance between an orbit's states half a period apart; INFINITY for an odd period. `mirrored`:
- * the distance of the second from the mirror image of the first. */
-double saltus_solution_half_distance(saltus_orbits *orbits, const saltus_solution *solution, bool mirrored);
-/* The same from an orbit that closes after one of `parts` equal parts of the period, INFINITY unless these
- * are whole periods; 1: from one that is its own mirror image. The scaled difference goes to `apart` (n; may
- * be NULL) if it is known. */
+/* The scaled distance of an orbit from one that closes after one of `parts` equal parts of the period,
+ * INFINITY unless these are whole periods; 1: from one that is its own mirror image, half a period later. The
+ * scaled difference goes to `apart` (n; may be NULL) if it is known. */
 double saltus_solution_part_distance(saltus_orbits *orbits, const saltus_solution *solution, int parts,
                                      double *apart);
 /* The breach of a grazing orbit that makes the change. A maximum of the gap at an impact of zero speed is

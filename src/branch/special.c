@@ -229,14 +229,12 @@ bool saltus_special_hopf(saltus_orbits *o, const saltus_solution *from, const sa
 }
 
 int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
-                        const saltus_special *hopf, const double *targets, const saltus_point_kind *kinds,
-                        int target_count, saltus_special *specials, bool *hidden, saltus_solution *scratch) {
+                        const saltus_special *hopf, const saltus_special *wanted, int wanted_count,
+                        saltus_special *specials, bool *hidden, saltus_solution *scratch) {
     *hidden = false;
     int count = add_tested(o, from, to, fresh, specials, hidden, scratch);
-    for (int k = 0; k < target_count; k++) {
-        const saltus_special wanted = {.kind = kinds[k], .test = SALTUS_TEST_VALUE, .target = targets[k]};
-        count = add_along(o, from, to, wanted, specials, count, scratch);
-    }
+    for (int k = 0; k < wanted_count; k++)
+        count = add_along(o, from, to, wanted[k], specials, count, scratch);
     if (hopf && hopf->ahead <= to->at.ahead)
         count = saltus_special_insert(*hopf, specials, count);
     return end_at_equilibrium(specials, count, to->at.ahead);
@@ -432,8 +430,9 @@ static bool joins(saltus_orbits *o, const saltus_solution *from, const saltus_so
                   saltus_special *special) {
     if (mirrored && !o->system->mirror)
         return false;
-    const double apart = saltus_solution_half_distance(o, at, mirrored), unit = o->family.unit[0],
-                 before = saltus_solution_half_distance(o, from, mirrored);
+    const double apart = saltus_solution_part_distance(o, at, mirrored ? 1 : 2, NULL),
+                 unit = o->family.unit[0],
+                 before = saltus_solution_part_distance(o, from, mirrored ? 1 : 2, NULL);
     /* A branch may also begin at such orbits; and beyond a long run of impacts the halves are always all but
      * alike. */
     const bool closes = apart < 0.05 * before;
@@ -463,8 +462,8 @@ static bool is_beside_join(saltus_orbits *o, const saltus_solution *from, const 
     const double singular = cbrt(o->equations->tolerance);
     bool beside = false;
     for (int mirrored = 0; mirrored < (o->system->mirror ? 2 : 1); mirrored++) {
-        const double before = saltus_solution_half_distance(o, from, mirrored),
-                     apart = saltus_solution_half_distance(o, at, mirrored);
+        const double before = saltus_solution_part_distance(o, from, mirrored ? 1 : 2, NULL),
+                     apart = saltus_solution_part_distance(o, at, mirrored ? 1 : 2, NULL);
         beside |= before > asymmetric && fabs(at->at.ahead) * apart < singular * (before - apart);
     }
     return beside;
@@ -532,8 +531,8 @@ bool saltus_special_strays(saltus_orbits *o, const saltus_solution *here, const 
     const double closes = 1e-8, open = 1e-6;
     bool even = here->sequence.periods % 2 == 0;
     if (here->sequence.count == 0)
-        return even && saltus_solution_half_distance(o, next, false) < closes &&
-               saltus_solution_half_distance(o, here, false) > open;
+        return even && saltus_solution_part_distance(o, next, 2, NULL) < closes &&
+               saltus_solution_part_distance(o, here, 2, NULL) > open;
     for (int mirrored = even ? 0 : 1; mirrored < 2; mirrored++)
         if (saltus_sequence_repeats(&here->sequence, 2, mirrored) > open &&
             saltus_sequence_repeats(&next->sequence, 2, mirrored) < closes)

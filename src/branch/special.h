@@ -23,14 +23,13 @@ bool saltus_test_crosses(double before, double after);
 int saltus_special_insert(saltus_special found, saltus_special *specials, int count);
 /* Find all places between `from` and `to` where tests change sign, in order of arclength; returns their
  * number. `fresh`: at the beginning of a branch that was switched to; the determinants are then rounding, and
- * only targets are searched. `targets`: parameter values to search for, of these `kinds`; `hopf` (may be
- * NULL): found by saltus_special_hopf. `specials` has room for target_count + 9; `scratch` is overwritten.
+ * only what is `wanted` is searched: targets, with their kinds. `hopf` (may be NULL): found by
+ * saltus_special_hopf. `specials` has room for wanted_count + 9; `scratch` is overwritten.
  * *hidden: just before a crossing of curves the orbits of this one were not reached, so that others may be
  * missing. */
 int saltus_special_find(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
-                        bool fresh, const saltus_special *hopf, const double *targets,
-                        const saltus_point_kind *kinds, int target_count, saltus_special *specials,
-                        bool *hidden, saltus_solution *scratch);
+                        bool fresh, const saltus_special *hopf, const saltus_special *wanted,
+                        int wanted_count, saltus_special *specials, bool *hidden, saltus_solution *scratch);
 /* The place where cycles seem to shrink to an equilibrium; false: there is none. */
 bool saltus_special_hopf(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                          saltus_special *special, saltus_solution *scratch);
@@ -90,15 +89,12 @@ saltus_branch_start saltus_starts_take(saltus_starts *starts);
 int saltus_starts_drop(saltus_starts *starts, int place);
 void saltus_starts_clear(saltus_starts *starts);
 
-/* Add the branches that leave at a flip or branch point `at`; `like` has what the starts have in common.
- * Errors: those of the equations, if the branches cannot be found. */
+/* Add the branches that leave at `at`, a point of this kind; `like` has what the starts have in common. At a
+ * flip or branch point these are those of its equations; at grazing, where `beyond` is the sequence on the
+ * other side, that of twice the period whose orbits have the impact in one half only, but none where more
+ * than one impact is born or dies. Errors: those of the equations, if the branches cannot be found. */
 saltus_status saltus_starts_leave(saltus_orbits *orbits, const saltus_solution *at, saltus_point_kind kind,
-                                  const saltus_branch_start *like, saltus_starts *starts,
-                                  saltus_message *message);
-/* Add the branch of twice the period that leaves at grazing, whose orbits have the impact in one half only;
- * `beyond`: the sequence on the other side of `at`. None is added where more than one impact is born or dies.
- */
-void saltus_starts_graze(const saltus_solution *at, const saltus_sequence *beyond,
-                         const saltus_branch_start *like, saltus_starts *starts, bool *starved);
+                                  const saltus_sequence *beyond, const saltus_branch_start *like,
+                                  saltus_starts *starts, saltus_message *message);
 
 #endif

@@ -50,9 +50,22 @@ void saltus_starts_clear(saltus_starts *starts) {
     *starts = (saltus_starts){.count = 0};
 }
 
+/* At grazing. */
+static void leave_grazing(const saltus_solution *at, const saltus_sequence *beyond,
+                          const saltus_branch_start *like, saltus_starts *starts, bool *starved) {
+    const saltus_sequence *more = beyond->count > at->sequence.count ? beyond : &at->sequence;
+    const saltus_sequence *less = more == beyond ? &at->sequence : beyond;
+    saltus_branch_start start = *like;
+    start.parameter = at->parameter[0];
+    memcpy(start.state, at->state, sizeof start.state);
+    start.origin = SALTUS_POINT_GR;
+    if (more->count == less->count + 1 && saltus_sequence_join(more, less, &start.sequence))
+        saltus_starts_add(starts, &start, starved);
+}
+
 saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, saltus_point_kind kind,
-                                  const saltus_branch_start *like, saltus_starts *starts,
-                                  saltus_message *message) {
+                                  const saltus_sequence *beyond, const saltus_branch_start *like,
+                                  saltus_starts *starts, saltus_message *message) {
     const bool flips = kind == SALTUS_POINT_PD;
     const bool pitchfork = flips || o->system->mirror;
     double plane[2 * SALTUS_START_UNKNOWNS_MAX], values[2], old[SALTUS_START_UNKNOWNS_MAX];
@@ -60,6 +73,10 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     saltus_branch_start start = *like;
     start.sequence = at->sequence;
     start.sequence.cuts = 1;
+    if (kind == SALTUS_POINT_GR) {
+        leave_grazing(at, beyond, like, starts, &o->starved);
+        return SALTUS_OK;
+    }
     if (flips && !saltus_sequence_join(&at->sequence, &at->sequence, &start.sequence))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "twice the orbit has more than %d events",
                            SALTUS_MARKS_MAX);
@@ -87,16 +104,4 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     /* At pitchforks and flips the other half of the branch is the image of this half. */
     saltus_starts_add_ways(starts, &start, pitchfork, &o->starved);
     return SALTUS_OK;
-}
-
-void saltus_starts_graze(const saltus_solution *at, const saltus_sequence *beyond,
-                         const saltus_branch_start *like, saltus_starts *starts, bool *starved) {
-    const saltus_sequence *more = beyond->count > at->sequence.count ? beyond : &at->sequence;
-    const saltus_sequence *less = more == beyond ? &at->sequence : beyond;
-    saltus_branch_start start = *like;
-    start.parameter = at->parameter[0];
-    memcpy(start.state, at->state, sizeof start.state);
-    start.origin = SALTUS_POINT_GR;
-    if (more->count == less->count + 1 && saltus_sequence_join(more, less, &start.sequence))
-        saltus_starts_add(starts, &start, starved);
 }

@@ -124,8 +124,8 @@ static void locate_returns(saltus_trace *t, int before) {
     }
 }
 
-void saltus_trace_accept(saltus_trace *t, bool bends, bool must, const char *reason) {
-    if (must || saltus_trail_wants(t->trail, t->next->at.ahead)) {
+void saltus_trace_accept(saltus_trace *t, bool bends, const char *reason) {
+    if (reason || saltus_trail_wants(t->trail, t->next->at.ahead)) {
         const int returns = t->returns;
         saltus_trace_give(t, t->next,
                           (saltus_notice){.ahead = t->next->at.ahead, .accuracy = NAN, .reason = reason});

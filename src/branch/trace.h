@@ -5,6 +5,7 @@
 #define SALTUS_BRANCH_TRACE_H
 
 #include "branch/change.h"
+#include "branch/locus_starts.h"
 #include "branch/options.h"
 #include "branch/trail.h"
 
@@ -23,8 +24,7 @@ typedef struct saltus_trace {
     /* One step: its start and end, and room for orbits that are tried. */
     saltus_solution *here, *next, *trial, *spare, *other;
     saltus_solution solutions[5];
-    const saltus_solution *found; /* first point of the requested locus; NULL: none yet */
-    saltus_sequence beyond;       /* at grazing: the sequence on the other side */
+    saltus_locus_start found; /* where the requested locus begins; REGULAR: not found */
 } saltus_trace;
 
 /* `trail` and `starts` must be set. Close in any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT. */
@@ -47,9 +47,9 @@ void saltus_trace_archive(saltus_trace *trace, saltus_archive *archive);
 void saltus_trace_give(saltus_trace *trace, const saltus_solution *solution, saltus_notice what);
 /* give it out as the end of the branch; */
 void saltus_trace_end(saltus_trace *trace, const saltus_solution *solution, double ahead, const char *reason);
-/* make `next` the new `here`, giving it out as a regular point if it is far enough from the last one or
- * `must` be. `bends`: both have the same sequence, so that the curve's bend is known. */
-void saltus_trace_accept(saltus_trace *trace, bool bends, bool must, const char *reason);
+/* make `next` the new `here`, giving it out as a regular point if it is far enough from the last one or there
+ * is a reason to. `bends`: both have the same sequence, so that the curve's bend is known. */
+void saltus_trace_accept(saltus_trace *trace, bool bends, const char *reason);
 /* From an orbit that grazes, `here`, to one a little beyond, `next`: give out the special points in between,
  * and that one. */
 void saltus_trace_leave_grazing(saltus_trace *trace);

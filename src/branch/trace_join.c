@@ -40,8 +40,8 @@ bool saltus_trace_joins_images(saltus_trace *t, const saltus_solution *at) {
         }
         joins |= touch->kind == SALTUS_BREACH_GAP && fabs(touch->value) < little && dies && alone;
     }
-    return joins && saltus_solution_half_distance(&t->orbits, at, true) < alike &&
-           saltus_solution_half_distance(&t->orbits, t->here, true) > mirrored;
+    return joins && saltus_solution_part_distance(&t->orbits, at, 1, NULL) < alike &&
+           saltus_solution_part_distance(&t->orbits, t->here, 1, NULL) > mirrored;
 }
 
 const saltus_breach *saltus_trace_touch(const saltus_solution *at, bool joins) {

@@ -45,17 +45,15 @@ static void add_starts(saltus_trace *t, const saltus_solution *at, saltus_point_
     saltus_message why = {.text = ""};
     if (!saltus_trail_switches(trail))
         return;
-    if (kind == SALTUS_POINT_GR)
-        saltus_starts_graze(at, beyond, &like, t->starts, &t->orbits.starved);
-    else if (saltus_orbits_noted(
-                 &t->orbits, saltus_starts_leave(&t->orbits, at, kind, &like, t->starts, &why)) != SALTUS_OK)
+    const saltus_status status = saltus_starts_leave(&t->orbits, at, kind, beyond, &like, t->starts, &why);
+    if (saltus_orbits_noted(&t->orbits, status) != SALTUS_OK)
         snprintf(saltus_trail_last(trail)->reason, SALTUS_REASON_MAX,
                  "not switched to what leaves here: %.120s", why.text);
 }
 
-/* The requested locus begins at `at`; no more of this branch is needed. */
-static void find(saltus_trace *t, const saltus_solution *at) {
-    t->found = at;
+/* The requested locus begins at `at`; no more of this branch is needed. `beyond` as for its start. */
+static void find(saltus_trace *t, const saltus_solution *at, const saltus_sequence *beyond) {
+    t->found = saltus_locus_start_at(t->trail->options->locus, at, beyond);
     t->trail->following = false;
 }
 
@@ -160,7 +158,7 @@ static void give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_
         return;
     if (t->trail->options->locus && t->trail->options->locus == special->kind &&
         (!special->end || special->kind == SALTUS_POINT_HB)) {
-        find(t, t->trial);
+        find(t, t->trial, NULL);
         return;
     }
     const saltus_notice what = {.kind = special->kind,
@@ -208,21 +206,17 @@ static bool seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const salt
 static bool give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, bool may_repeat) {
     const saltus_branch_options *options = t->trail->options;
     saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 10];
-    double targets[SALTUS_BRANCH_VALUES_MAX + 1];
-    saltus_point_kind kinds[SALTUS_BRANCH_VALUES_MAX + 1];
+    saltus_special wanted[SALTUS_BRANCH_VALUES_MAX + 1];
     bool hidden;
     int asked = 0;
-    for (; asked < options->value_count; asked++) {
-        targets[asked] = options->values[asked];
-        kinds[asked] = SALTUS_POINT_UZ;
-    }
-    if (t->first.points && t->trail->regular > 10) {
-        targets[asked] = t->first_value;
-        kinds[asked++] = SALTUS_POINT_REGULAR;
-    }
-    const int count = saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
-                                          hopf->found ? &hopf->special : NULL, targets, kinds, asked,
-                                          specials, &hidden, t->trial);
+    for (; asked < options->value_count; asked++)
+        wanted[asked] = (saltus_special){
+            .kind = SALTUS_POINT_UZ, .test = SALTUS_TEST_VALUE, .target = options->values[asked]};
+    if (t->first.points && t->trail->regular > 10)
+        wanted[asked++] = (saltus_special){.test = SALTUS_TEST_VALUE, .target = t->first_value};
+    const int count =
+        saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
+                            hopf->found ? &hopf->special : NULL, wanted, asked, specials, &hidden, t->trial);
     if (may_repeat && seek_leap(t, hopf, specials, count, hidden))
         return false;
     for (int k = 0; k < count && t->trail->following; k++)
@@ -258,14 +252,9 @@ static void go_over(saltus_trace *t, saltus_notice what, double distance) {
  * orbits were found; `far` as for saltus_change_complete. */
 static bool complete_run(saltus_trace *t, bool far) {
     saltus_change change;
-    double limit, rest;
-    const bool completes = saltus_births_accumulate(&t->births, &limit, &rest) &&
-                           saltus_change_complete(&t->orbits, t->here, limit, rest, far, t->range, t->trial,
-                                                  t->spare, t->other, &change);
-    if (!completes) {
-        saltus_orbits_reshape(&t->orbits, t->here);
+    if (!saltus_change_complete(&t->orbits, t->here, &t->births, far, t->range, t->trial, t->spare, t->other,
+                                &change))
         return false;
-    }
     t->births.count = 0;
     go_over(t, notice_of(&change, 0, 0), change.distance);
     return true;
@@ -313,7 +302,7 @@ void saltus_trace_leave_grazing(saltus_trace *t) {
     saltus_cycle_seek_hopf(&t->orbits, t->here, t->next, t->other, t->trial, &hopf);
     give_specials(t, &hopf, false);
     if (t->trail->following)
-        saltus_trace_accept(t, true, false, NULL);
+        saltus_trace_accept(t, true, NULL);
 }
 
 /* Beyond grazing at `next`, to a point a little further on. */
@@ -326,9 +315,9 @@ static void graze(saltus_trace *t, double accuracy) {
         .kind = SALTUS_POINT_GR, .ahead = at->at.ahead, .accuracy = accuracy, .change = true};
     bool doubled;
     const bool images = saltus_trace_joins_images(t, at);
-    const double apart = saltus_solution_half_distance(o, at, false);
+    const double apart = saltus_solution_part_distance(o, at, 2, NULL);
     const bool joins =
-        images || (apart < 1e-4 && apart < 0.05 * saltus_solution_half_distance(o, t->here, false));
+        images || (apart < 1e-4 && apart < 0.05 * saltus_solution_part_distance(o, t->here, 2, NULL));
     what.grazing = saltus_trace_touch(at, joins);
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
     saltus_change_graze(o, at, &beyond, t->spare, t->trial, &change);
@@ -339,8 +328,7 @@ static void graze(saltus_trace *t, double accuracy) {
         return;
     }
     if (t->trail->options->locus == SALTUS_POINT_GR && !joins && !saltus_change_in_family(o, at, &doubled)) {
-        t->beyond = beyond;
-        find(t, at);
+        find(t, at, &beyond);
         return;
     }
     bool goes_on = change.kind == SALTUS_POINT_GR && !joins;
@@ -395,8 +383,7 @@ static void settle(saltus_trace *t) {
     if (change.kind != SALTUS_POINT_REGULAR)
         saltus_trace_give(t, t->trial, what);
     if (t->trail->following)
-        saltus_trace_accept(t, !retraced, !same,
-                            same ? NULL : "impacts in the tail of a long run come or go");
+        saltus_trace_accept(t, !retraced, same ? NULL : "impacts in the tail of a long run come or go");
 }
 
 /* The length of a shorter step that ends on an orbit with a breach although `next` has none, as on a border
@@ -441,19 +428,16 @@ static bool find_end(saltus_trace *t) {
     char reason[SALTUS_REASON_MAX] = "the orbits of one value of the parameter form a family";
     saltus_zero zero;
     double value;
-    if (saltus_boundary_is_near(t->here, next)) {
-        if (saltus_boundary_reach(o, t->here, next, t->trial, &zero, &value)) {
-            saltus_solution_survey(o, t->trial, NULL);
-            give_shared_end(t, t->trial,
-                            (saltus_notice){.kind = SALTUS_POINT_BE,
-                                            .ahead = zero.ahead,
-                                            .accuracy = zero.accuracy,
-                                            .reason = "the orbit shrinks to an equilibrium on a stop",
-                                            .value = value,
-                                            .grazing = &t->trial->breaches[0]});
-            return true;
-        }
-        saltus_orbits_reshape(o, t->here);
+    if (saltus_boundary_reach(o, t->here, next, t->trial, &zero, &value)) {
+        saltus_solution_survey(o, t->trial, NULL);
+        give_shared_end(t, t->trial,
+                        (saltus_notice){.kind = SALTUS_POINT_BE,
+                                        .ahead = zero.ahead,
+                                        .accuracy = zero.accuracy,
+                                        .reason = "the orbit shrinks to an equilibrium on a stop",
+                                        .value = value,
+                                        .grazing = &t->trial->breaches[0]});
+        return true;
     }
     if (!saltus_cycle_tell_birth(o, t->here, next, t->range, t->trail->options->key[0], reason)) {
         if (!(fabs(saltus_solution_heading(t->here)) < still && fabs(saltus_solution_heading(next)) < still))
@@ -472,11 +456,9 @@ static bool find_end(saltus_trace *t) {
 /* If all impacts of a cycle lose their speed at once, continue with the cycle without impacts. */
 static bool fade(saltus_trace *t) {
     saltus_orbits *o = &t->orbits;
-    const saltus_zero zero = saltus_cycle_touches(o, t->here, t->range, t->trial, t->spare, t->other);
-    if (!zero.found) {
-        saltus_orbits_reshape(o, t->here);
+    const saltus_zero zero = saltus_cycle_fades(o, t->here, t->next, t->range, t->trial, t->spare, t->other);
+    if (!zero.found)
         return false;
-    }
     const double heading = saltus_solution_heading(t->here);
     char after[SALTUS_LABEL_MAX];
     saltus_solution_label(o, t->spare, after);
@@ -662,8 +644,7 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
         go_on_lost(t, status, why.text);
         return SALTUS_OK;
     }
-    const bool fades =
-        trail->options->locus == SALTUS_POINT_REGULAR && saltus_cycle_fades(o, t->here, t->next) && fade(t);
+    const bool fades = trail->options->locus == SALTUS_POINT_REGULAR && fade(t);
     if (fades || look_back(t, &hopf) || !trail->following)
         return SALTUS_OK;
     const bool breached = t->next->worst.value > 0;
