@@ -4,6 +4,7 @@
 #include "branch/locus.h"
 
 #include "branch/born.h"
+#include "branch/flat.h"
 #include "branch/halved.h"
 #include "branch/join.h"
 #include "branch/locus_corners.h"
@@ -24,6 +25,7 @@ static const double stride_min = 1e-5;
 static const char ceases_to_complete[] =
     "chatter ceases to complete: the contact after it shrinks to nothing";
 static const char lost[] = "the equations fail at the first point";
+static const char shrinks[] = "all its impacts shrink to a touch at which the acceleration is zero, too";
 static const char is_back[] = "the curve is closed: it has come back";
 
 /* The parameters' part of a vector of unknowns. */
@@ -227,7 +229,7 @@ static void give(saltus_locus *l, const saltus_locus_point *p, saltus_point_kind
     const saltus_solution *s = &p->orbit;
     const saltus_family *family = &l->x.orbits.family;
     const saltus_branch_options *options = l->trail->options;
-    const bool located = kind != l->x.kind && kind != SALTUS_POINT_EP;
+    const bool located = kind != l->x.kind && (kind != SALTUS_POINT_EP || reason == shrinks);
     const saltus_notice what = {.kind = kind,
                                 .ahead = ahead,
                                 .accuracy = located ? p->doubt * l->x.orbits.family.unit[0] : NAN,
@@ -557,6 +559,8 @@ static void give_end(saltus_locus *l) {
         give_join(l, kind);
     else if (ends)
         give_corner(l, l->here.corners[0], l->trial.at.ahead);
+    else if (saltus_flat_touch(&l->x, &l->here, &l->trial))
+        give(l, &l->trial, SALTUS_POINT_EP, l->trial.at.ahead, shrinks);
     else
         give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit));
 }

@@ -1,0 +1,184 @@
+/* Touches of a stop at which more than the speed is zero. The method stands in flat.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/flat.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The events of an orbit that are near together as one impact each; which one each of them belongs to goes to
+ * `part`. */
+static saltus_sequence gather(const saltus_sequence *whole, int part[SALTUS_MARKS_MAX]) {
+    const double near = 0.01;
+    saltus_sequence few = *whole;
+    few.driven = false;
+    few.cuts = 1;
+    few.count = 0;
+    for (int k = 0; k < whole->count; k++) {
+        const saltus_mark *own = &whole->mark[k], *before = own - 1;
+        if (k == 0 || own->face != before->face || own->time - before->time > near)
+            few.mark[few.count++] =
+                (saltus_mark){.kind = SALTUS_IMPACT, .face = own->face, .time = own->time};
+        part[k] = few.count - 1;
+    }
+    return few;
+}
+
+/* The equations of an orbit with, for each of its marks, g' = g'' = g''' = 0. They are more than the unknowns
+ * and hold together where the orbit is one of a family. */
+typedef struct flat {
+    saltus_shooting *shooting;
+    saltus_equations *e;
+    int rows, marks, first; /* first: unknown and equation of the first mark */
+    double *u, *a;          /* rows x (unknowns + 1): the Jacobian, and the residuals behind it */
+    double *normal, *right;
+    saltus_dense_lu lu;
+} flat;
+
+/* Evaluate at f->u. Derivatives by time, in units of the period over 2 pi, are differences of the gap's own
+ * row along the mark's time. */
+static saltus_status evaluate(flat *f, double apart) {
+    static const double share[3][5] = {{1. / 12, -8. / 12, 0, 8. / 12, -1. / 12},
+                                       {-1. / 12, 16. / 12, -30. / 12, 16. / 12, -1. / 12},
+                                       {-0.5, 1, 0, -1, 0.5}};
+    const int c = f->e->count, m = f->e->unknowns, width = m + 1;
+    const double *scale = saltus_shooting_scale(f->shooting);
+    memset(f->a, 0, (size_t)(f->rows * width) * sizeof *f->a);
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < f->marks && status == SALTUS_OK; k++) {
+        const int own = f->first + k;
+        const double unit = scale[own] * 2 * M_PI, middle = f->u[own];
+        for (int j = 0; j < 5 && status == SALTUS_OK; j++) {
+            f->u[own] = middle + (j - 2) * apart / unit;
+            status = saltus_equations_evaluate(f->e, f->u, NULL);
+            const double *row = f->e->jacobian + own * m;
+            for (int d = 0; d < 3 && status == SALTUS_OK; d++) {
+                double *out = f->a + (c + 3 * k + d) * width;
+                for (int i = 0; i < m; i++)
+                    out[i] += share[d][j] / pow(apart, d + 1) * row[i];
+                out[m] += d        ? share[d - 1][j] / pow(apart, d) * row[own] / unit
+                          : j == 2 ? row[own] / unit
+                                   : 0;
+            }
+        }
+        f->u[own] = middle;
+    }
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(f->e, f->u, NULL);
+    for (int i = 0; i < c && status == SALTUS_OK; i++) {
+        memcpy(f->a + i * width, f->e->jacobian + i * m, (size_t)m * sizeof *f->a);
+        f->a[i * width + m] = f->e->residual[i];
+    }
+    return status;
+}
+
+/* Gauss and Newton's method. */
+static saltus_status solve(flat *f, double apart, bool *found) {
+    enum { iterations = 12 };
+    const double still = 1e-12, zero = 1e-8;
+    const int m = f->e->unknowns, width = m + 1;
+    double moved = INFINITY;
+    saltus_status status = SALTUS_OK;
+    *found = false;
+    for (int k = 0; k < iterations && status == SALTUS_OK && moved > still; k++) {
+        status = evaluate(f, apart);
+        memset(f->normal, 0, (size_t)(m * m) * sizeof *f->normal);
+        memset(f->right, 0, (size_t)m * sizeof *f->right);
+        double size = 0;
+        for (int r = 0; r < f->rows && status == SALTUS_OK; r++) {
+            const double *row = f->a + r * width;
+            size = fmax(size, fabs(row[m]));
+            for (int i = 0; i < m; i++) {
+                f->right[i] -= row[i] * row[m];
+                for (int j = 0; j < m; j++)
+                    f->normal[i * m + j] += row[i] * row[j];
+            }
+        }
+        if (status == SALTUS_OK && !saltus_dense_factor(&f->lu, f->normal))
+            return SALTUS_OK;
+        if (status == SALTUS_OK)
+            saltus_dense_resolve(&f->lu, false, 1, f->right);
+        moved = saltus_length(f->right, m);
+        for (int i = 0; i < m && status == SALTUS_OK; i++)
+            f->u[i] += f->right[i];
+        *found = status == SALTUS_OK && size < zero;
+    }
+    return status;
+}
+
+/* f->u becomes the orbit's unknowns, found with two widths of the differences; *doubt: how far these are
+ * apart in the plane. */
+static bool find_flat(saltus_orbits *o, flat *f, double *doubt) {
+    const double apart = 1e-3;
+    const int m = f->e->unknowns;
+    bool found = true;
+    double other[2];
+    for (int k = 2; k > 0 && found; k--) {
+        other[0] = f->u[m - 2];
+        other[1] = f->u[m - 1];
+        found = saltus_orbits_noted(o, solve(f, k * apart, &found)) == SALTUS_OK && found;
+    }
+    *doubt = hypot(f->u[m - 2] - other[0], f->u[m - 1] - other[1]);
+    return found;
+}
+
+/* `at` becomes the orbit found, with the events of `here`, all at the touches. */
+static saltus_status take_over(saltus_extended *x, const saltus_locus_point *here, const flat *f,
+                               const int *part, saltus_locus_point *at) {
+    saltus_sequence few, whole = here->orbit.sequence;
+    saltus_shooting *shooting = NULL;
+    double state[SALTUS_STATE_MAX], *u;
+    saltus_shooting_extract(f->shooting, f->u, &few, state);
+    for (int k = 0; k < whole.count; k++)
+        whole.mark[k].time = few.mark[part[k]].time;
+    saltus_status status = saltus_curve_copy(&here->at, &at->at) ? SALTUS_OK : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK)
+        status = saltus_orbits_shoot(&x->orbits, &whole, f->u + f->e->count, state, &shooting, &u, NULL);
+    if (status == SALTUS_OK) {
+        memcpy(at->at.u, u, (size_t)x->orbits.equations->unknowns * sizeof *u);
+        status = saltus_locus_see_orbit(x, at, NULL);
+    }
+    saltus_shooting_free(shooting);
+    return status;
+}
+
+bool saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltus_locus_point *at) {
+    const double slow = 1e-3, near = 1e-4;
+    const saltus_solution *s = &here->orbit;
+    int part[SALTUS_MARKS_MAX];
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && -s->breaches[k].value > slow)
+            return false;
+    const saltus_sequence few = gather(&s->sequence, part);
+    if (few.count == 0 || few.contacts || few.omega > 0)
+        return false;
+    saltus_arena arena = {0};
+    flat f = {.marks = few.count, .first = x->orbits.n};
+    double *start, doubt;
+    saltus_status status =
+        saltus_orbits_shoot(&x->orbits, &few, s->parameter, s->state, &f.shooting, &start, NULL);
+    f.e = status == SALTUS_OK ? saltus_shooting_equations(f.shooting) : NULL;
+    const size_t m = f.e ? (size_t)f.e->unknowns : 0;
+    f.rows = f.e ? f.e->count + 3 * f.marks : 0;
+    do {
+        f.u = saltus_arena_doubles(&arena, m);
+        f.a = saltus_arena_doubles(&arena, (size_t)f.rows * (m + 1));
+        f.normal = saltus_arena_doubles(&arena, m * m);
+        f.right = saltus_arena_doubles(&arena, m);
+    } while (saltus_arena_again(&arena));
+    if (!arena.base || !saltus_dense_lu_open(&f.lu, (int)m))
+        status = SALTUS_NO_MEMORY;
+    bool found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK;
+    if (found) {
+        memcpy(f.u, start, m * sizeof *start);
+        found = find_flat(&x->orbits, &f, &doubt) &&
+                hypot(f.u[m - 2] - s->parameter[0], f.u[m - 1] - s->parameter[1]) < near &&
+                saltus_orbits_noted(&x->orbits, take_over(x, here, &f, part, at)) == SALTUS_OK;
+    }
+    if (found)
+        at->doubt = doubt;
+    saltus_dense_lu_close(&f.lu);
+    saltus_arena_close(&arena);
+    saltus_shooting_free(f.shooting);
+    return found;
+}
