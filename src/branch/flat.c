@@ -98,7 +98,7 @@ static saltus_status solve(flat *f, double apart, bool *found) {
             return SALTUS_OK;
         if (status == SALTUS_OK)
             saltus_dense_resolve(&f->lu, false, 1, f->right);
-        moved = saltus_length(f->right, m);
+        moved = hypot(f->right[m - 2], f->right[m - 1]);
         for (int i = 0; i < m && status == SALTUS_OK; i++)
             f->u[i] += f->right[i];
         *found = status == SALTUS_OK && size < zero;
@@ -122,23 +122,22 @@ static bool find_flat(saltus_orbits *o, flat *f, double *doubt) {
     return found;
 }
 
-/* `at` becomes the orbit found, with the events of `here`, all at the touches. */
-static saltus_status take_over(saltus_extended *x, const saltus_locus_point *here, const flat *f,
-                               const int *part, saltus_locus_point *at) {
-    saltus_sequence few, whole = here->orbit.sequence;
-    saltus_shooting *shooting = NULL;
-    double state[SALTUS_STATE_MAX], *u;
+/* `at` becomes the orbit found. */
+static saltus_status take_over(saltus_extended *x, const flat *f, saltus_locus_point *at) {
+    saltus_sequence few;
+    double state[SALTUS_STATE_MAX];
+    const size_t m = (size_t)f->e->unknowns;
     saltus_shooting_extract(f->shooting, f->u, &few, state);
-    for (int k = 0; k < whole.count; k++)
-        whole.mark[k].time = few.mark[part[k]].time;
-    saltus_status status = saltus_curve_copy(&here->at, &at->at) ? SALTUS_OK : SALTUS_NO_MEMORY;
+    saltus_status status =
+        saltus_solution_place(&x->orbits, &few, f->u + f->e->count, state, false, &at->orbit, NULL);
     if (status == SALTUS_OK)
-        status = saltus_orbits_shoot(&x->orbits, &whole, f->u + f->e->count, state, &shooting, &u, NULL);
+        status = saltus_solution_survey(&x->orbits, &at->orbit, NULL);
+    if (status == SALTUS_OK && !saltus_curve_reserve(&at->at, (int)m))
+        status = SALTUS_NO_MEMORY;
     if (status == SALTUS_OK) {
-        memcpy(at->at.u, u, (size_t)x->orbits.equations->unknowns * sizeof *u);
-        status = saltus_locus_see_orbit(x, at, NULL);
+        memcpy(at->at.u, f->u, m * sizeof *f->u);
+        memset(at->at.tangent, 0, m * sizeof *f->u);
     }
-    saltus_shooting_free(shooting);
     return status;
 }
 
@@ -173,10 +172,12 @@ bool saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltu
         memcpy(f.u, start, m * sizeof *start);
         found = find_flat(&x->orbits, &f, &doubt) &&
                 hypot(f.u[m - 2] - s->parameter[0], f.u[m - 1] - s->parameter[1]) < near &&
-                saltus_orbits_noted(&x->orbits, take_over(x, here, &f, part, at)) == SALTUS_OK;
+                saltus_orbits_noted(&x->orbits, take_over(x, &f, at)) == SALTUS_OK;
     }
-    if (found)
+    if (found) {
         at->doubt = doubt;
+        x->mark = x->kind == SALTUS_POINT_GR ? part[x->mark] : 0;
+    }
     saltus_dense_lu_close(&f.lu);
     saltus_arena_close(&arena);
     saltus_shooting_free(f.shooting);

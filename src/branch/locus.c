@@ -642,10 +642,11 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
         for (; !found && l->trail->step > stride_min; l->trail->step *= found ? 1 : 0.5) {
             const saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step,
                                                            bounds, 2, &l->next.at, reached, NULL);
-            found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
-                    saltus_locus_see(&l->x, &l->next) && is_near(l, &l->next) &&
-                    !saltus_curve_strays(&l->here.at, &l->next.at) &&
-                    saltus_locus_is_sound(&l->x, &l->here, &l->next);
+            found =
+                saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK && saltus_locus_see(&l->x, &l->next) &&
+                is_near(l, &l->next) && !saltus_curve_strays(&l->here.at, &l->next.at) &&
+                l->next.at.residual <= saltus_locus_sharpness(&l->x, &l->next, l->x.equations.tolerance) &&
+                saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
         if (!found) {
             give_end(l);
