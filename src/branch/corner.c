@@ -143,10 +143,14 @@ static void keep_close(saltus_close *close, double re, double im) {
     }
 }
 
-void saltus_corner_still(const saltus_orbits *o, int mark) {
-    saltus_equations *e = o->equations;
-    const int entry = o->n * saltus_shooting_sequence(o->shooting)->cuts + mark;
+static void make_still(saltus_shooting *shooting, int n, int mark) {
+    saltus_equations *e = saltus_shooting_equations(shooting);
+    const int entry = n * saltus_shooting_sequence(shooting)->cuts + mark;
     e->jacobian[entry * e->unknowns + entry] = 0;
+}
+
+void saltus_corner_still(const saltus_orbits *o, int mark) {
+    make_still(o->shooting, o->n, mark);
 }
 
 saltus_scaled saltus_corner_closing(saltus_orbits *o, saltus_shooting *shooting, bool flips) {
@@ -267,7 +271,8 @@ bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b
         int single = 0;
         bool told = true, explained = false;
         for (int j = 0; j < count; j++) {
-            const bool fold = a[j].kind == SALTUS_POINT_GR_LP, flip = a[j].kind == SALTUS_POINT_GR_PD;
+            const bool fold = a[j].kind == SALTUS_POINT_GR_LP || a[j].kind == SALTUS_POINT_GR_BP,
+                       flip = a[j].kind == SALTUS_POINT_GR_PD;
             if (!(fold || flip) || a[j].breach || a[j].without != a[k].without)
                 continue;
             if (fold ? from.at_one + to.at_one : from.at_minus_one + to.at_minus_one)
@@ -310,6 +315,59 @@ static saltus_status evaluate_without(const saltus_extended *x, const saltus_sol
     return saltus_equations_evaluate(e, e->trial, message);
 }
 
+/* Of an orbit that is its own mirror image, cut in halves, the equations fall apart: into those of changes
+ * that keep it so, which are singular at a fold, and of those that do not, singular at a branch point. */
+static void measure_halves(saltus_orbits *o, saltus_shooting *shooting, saltus_locus_test tests[2]) {
+    const saltus_equations *e = saltus_shooting_equations(shooting);
+    const int n = o->n, marks = saltus_shooting_sequence(shooting)->count / 2, size = n + marks, m = e->unknowns,
+              row = n - saltus_shooting_closing_row(shooting);
+    saltus_dense_lu lu = {.n = 0};
+    double *a = calloc((size_t)(size * size), sizeof *a);
+    const bool room = a && saltus_dense_lu_open(&lu, size);
+    for (int k = 0; k < 2 && room; k++) {
+        const double sign = k ? -1 : 1;
+        for (int i = 0; i < size; i++) {
+            const double *from = e->jacobian + (i < n ? row + i : n + i) * m;
+            for (int j = 0; j < size; j++)
+                a[i * size + j] = j < n ? from[j] - sign * from[n + j] : from[n + j] + sign * from[size + j];
+        }
+        saltus_dense_factor(&lu, a);
+        tests[k].kind = k ? SALTUS_POINT_GR_BP : SALTUS_POINT_GR_LP;
+        tests[k].value = (saltus_scaled){lu.sign, lu.log_modulus};
+    }
+    saltus_dense_lu_close(&lu);
+    free(a);
+    o->starved |= !room;
+}
+
+/* The first two functions for an orbit that is its own mirror image: a multiplier passes 1 twice over where
+ * one of half the orbit passes 1 or -1, and does not pass -1. They stay as they are if that fails. */
+static void measure_mirrored(saltus_extended *x, const saltus_solution *s, bool without,
+                             saltus_locus_test tests[2]) {
+    saltus_orbits *o = &x->orbits;
+    const saltus_sequence old = without ? saltus_corner_without(x, s, NULL) : s->sequence;
+    int order[SALTUS_MARKS_MAX];
+    saltus_sequence halves;
+    saltus_shooting *shooting = NULL;
+    double state[SALTUS_STATE_MAX];
+    saltus_sequence_turn(&old, saltus_sequence_amid_halves(&old), 1, &halves, order);
+    halves.cuts = 2;
+    halves.cut[1] = halves.base + 0.5 * halves.periods;
+    if (halves.count > 0 && !(saltus_sequence_repeats(&halves, 2, true) < 1e-6))
+        return;
+    saltus_status status = saltus_solution_state_at(o, s, halves.base, state, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_orbits_evaluate(o, &halves, s->parameter, state, &shooting, NULL);
+    for (int k = 0; k < s->breach_count && status == SALTUS_OK && !without; k++)
+        for (int j = 0; j < halves.count; j++)
+            if (s->breaches[k].kind == SALTUS_BREACH_SPEED && order[j] == s->breaches[k].mark &&
+                is_own(x, s, &s->breaches[k]))
+                make_still(shooting, o->n, j);
+    if (saltus_orbits_noted(o, status) == SALTUS_OK)
+        measure_halves(o, shooting, tests);
+    saltus_shooting_free(shooting);
+}
+
 /* The six functions of an orbit on a curve of grazing, three with the grazing impact and three without; NAN
  * if they cannot be computed. */
 static void measure_grazing(saltus_extended *x, const saltus_solution *s, saltus_locus_test *corners) {
@@ -330,6 +388,8 @@ static void measure_grazing(saltus_extended *x, const saltus_solution *s, saltus
         measure_orbit(&x->orbits, shooting, tests[1]);
     measure_orbit(&x->orbits, x->orbits.shooting, tests[0]);
     saltus_shooting_free(shooting);
+    for (int without = 0; without < 2 && x->mirrored && x->orbits.system->mirror; without++)
+        measure_mirrored(x, s, without, tests[without]);
     /* Determinants with and without the impact are of similar size if neither is zero. If complete chatter
      * after the impact loses all its effects, the determinant with it is only rounding. */
     for (int k = 0; k < 4; k++)
@@ -446,7 +506,8 @@ saltus_point_kind saltus_corner_tell(saltus_extended *x, const saltus_locus_test
         kind = !saltus_corner_ends_chatter(s, worst) ? SALTUS_POINT_ST
                : x->kind == SALTUS_POINT_GR          ? SALTUS_POINT_CH_GR
                                                      : SALTUS_POINT_CH;
-    if (x->kind == SALTUS_POINT_GR && kind == SALTUS_POINT_GR_LP && is_branch_point(x, s, corner->without))
+    if (x->kind == SALTUS_POINT_GR && kind == SALTUS_POINT_GR_LP &&
+        !(x->mirrored && x->orbits.system->mirror) && is_branch_point(x, s, corner->without))
         kind = SALTUS_POINT_GR_BP;
     return kind;
 }
