@@ -64,13 +64,24 @@ static void fill_singular(const saltus_extended *x, double theta, double *a, int
             a[i * stride + j] += x->folding[1][i] * x->folding[0][j];
 }
 
+/* Where the parts of a vector of unknowns, or of equations, that belong to two halves of an orbit which is
+ * its own mirror image tell whether it is of the kind that is followed: they are alike then, the states of a
+ * branch point as well as the times of a fold. Returns their length, 0: they do not tell. */
+static int halves_of(const saltus_extended *x, int *first) {
+    const saltus_sequence *s = saltus_shooting_sequence(x->orbits.shooting);
+    const bool folds = x->kind == SALTUS_POINT_LP && s->count % 2 == 0;
+    *first = folds ? x->orbits.n * s->cuts : 0;
+    return !x->mirrored ? 0 : folds ? s->count / 2 : x->kind == SALTUS_POINT_BP ? x->orbits.n : 0;
+}
+
 /* The null vector of a matrix of `size` rows, which is overwritten. Where orbits that are their own mirror
- * images fold as well as others branch off, that of the latter (saltus_extended_breaks); `folding` becomes
- * the former's, and *folds says that there is one. */
+ * images fold as well as others branch off, that of the kind that is followed; `folding` becomes the other
+ * one, and *folds says that there is one. */
 static saltus_status find_null(const saltus_extended *x, double *a, int size, double *out, double *folding,
                                bool *folds) {
     const double singular = 1e-6;
-    const int n = x->orbits.n, count = x->kind == SALTUS_POINT_BP && x->mirrored ? 2 : 1;
+    int first;
+    const int half = halves_of(x, &first), count = half ? 2 : 1;
     double values[2] = {0, INFINITY}, *both = calloc((size_t)(count * size), sizeof *both);
     saltus_status status =
         both ? saltus_dense_null_vectors(a, size, size, count, both, values) : SALTUS_NO_MEMORY;
@@ -78,13 +89,13 @@ static saltus_status find_null(const saltus_extended *x, double *a, int size, do
         memcpy(out, both, (size_t)size * sizeof *out);
     *folds = status == SALTUS_OK && values[1] < singular;
     if (*folds) {
-        const double *one = both, *other = both + size;
-        const double turn = atan2(saltus_dot(one, other + n, n) + saltus_dot(other, one + n, n),
-                                  saltus_dot(one, one + n, n) - saltus_dot(other, other + n, n)) /
+        const double *one = both + first, *other = one + size;
+        const double turn = atan2(saltus_dot(one, other + half, half) + saltus_dot(other, one + half, half),
+                                  saltus_dot(one, one + half, half) - saltus_dot(other, other + half, half)) /
                             2;
         for (int i = 0; i < size; i++) {
-            out[i] = cos(turn) * one[i] + sin(turn) * other[i];
-            folding[i] = cos(turn) * other[i] - sin(turn) * one[i];
+            out[i] = cos(turn) * both[i] + sin(turn) * both[size + i];
+            folding[i] = cos(turn) * both[size + i] - sin(turn) * both[i];
         }
     }
     free(both);
@@ -277,8 +288,10 @@ double saltus_extended_double(const saltus_extended *x, double *rounding) {
     return saltus_dot(x->left + row, x->right, x->orbits.n);
 }
 
-bool saltus_extended_breaks(const saltus_extended *x) {
-    return saltus_dot(x->right, x->right + x->orbits.n, x->orbits.n) > 0;
+bool saltus_extended_strays(const saltus_extended *x) {
+    int first;
+    const int half = halves_of(x, &first);
+    return half && saltus_dot(x->right + first, x->right + first + half, half) < 0;
 }
 
 double saltus_extended_cusp(const saltus_extended *x) {

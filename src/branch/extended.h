@@ -61,9 +61,10 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
 /* w' v over the states, at the point last evaluated: zero where the critical multiplier is double; up to
  * *rounding it is nothing else. */
 double saltus_extended_double(const saltus_extended *extended, double *rounding);
-/* Whether the null vector of orbits that are their own mirror images, cut in halves, leads to others, at the
- * point last evaluated: half an orbit later it is itself again, not minus itself as they are. */
-bool saltus_extended_breaks(const saltus_extended *extended);
+/* Whether, at the point last evaluated, the null vector of orbits that are their own mirror images is not of
+ * the kind that is followed: that of a fold keeps them so, with times of events that change in both halves
+ * alike; that of a branch point, for orbits cut in halves, does not, and half an orbit later is itself. */
+bool saltus_extended_strays(const saltus_extended *extended);
 /* Zero at a cusp of folds, at the point last evaluated: the second derivative along v. */
 double saltus_extended_cusp(const saltus_extended *extended);
 /* *value is zero where a flip, or a branch point of orbits that are their own mirror images, changes from

@@ -139,7 +139,9 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
         }
     }
     const bool crossing = start->leaves || (begins_crossing(l) && l->x.mirrored);
-    if (status == SALTUS_OK && ((l->x.mirrored && breaks) || crossing))
+    /* There null vectors that keep the orbits their own mirror images are orthogonal to the others. */
+    const bool halves = l->x.mirrored && (breaks || (start->kind == SALTUS_POINT_LP && o->system->mirror));
+    if (status == SALTUS_OK && (halves || crossing))
         status = cut_halfway(l, start, message);
     /* Into more and more segments, as long as there are more. */
     for (bool finer = true; status == SALTUS_OK && finer && saltus_locus_grows(&l->x, &l->here.orbit);) {
@@ -152,9 +154,15 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
     }
     if (status == SALTUS_OK && !crossing) {
         const double usual = l->x.equations.tolerance;
-        l->x.equations.tolerance = saltus_locus_sharpness(&l->x, &l->here, usual);
-        status = saltus_locus_find_near(&l->x, &l->here, start->theta, message);
+        const double sharp = saltus_locus_sharpness(&l->x, &l->here, usual);
+        status = SALTUS_NO_CONVERGENCE;
+        for (double t = sharp; status == SALTUS_NO_CONVERGENCE && t < 1e3 * sharp; t *= 10) {
+            l->x.equations.tolerance = fmin(t, usual);
+            status = saltus_locus_find_near(&l->x, &l->here, start->theta, message);
+        }
         l->x.equations.tolerance = usual;
+        if (status == SALTUS_OK && halves && !breaks)
+            saltus_locus_keep_mirrored(&l->x, &l->here);
     }
     if (status != SALTUS_OK || !crossing)
         return status;
@@ -342,29 +350,31 @@ static bool leave(saltus_locus *l, bool turns, bool leaves, saltus_message *why)
     static const double shorter[] = {1, 0.2, 0.04, 0.01}, tolerances[] = {1e-12, 1e-11, 1e-10};
     const bool stays = begins_crossing(l) && l->x.mirrored;
     const bool branches = l->x.kind == SALTUS_POINT_BP && l->x.mirrored;
-    const bool sharp = leaves || stays || branches;
+    const bool crosses = leaves || stays || branches;
     const double usual = l->x.equations.tolerance, farthest = 0.1;
+    const bool sharp = crosses || saltus_locus_sharpness(&l->x, &l->here, usual) < usual;
     *why = (saltus_message){.text = ""};
     bool found = false;
     /* A run of impacts leaves little of what makes the halves unlike: the first step must be long enough to
      * show it. */
     const double rate = leaves ? saltus_locus_leaving(&l->x, &l->here) : 1;
     const double leaving = leaves ? fmax(1e-8, fmin(1e-3, 0.5 * rate)) : 0;
-    const double longest = sharp ? fmin(fmax(1e-3, little / rate), farthest) : 1e-4;
+    const double longest = crosses ? fmin(fmax(1e-3, little / rate), farthest) : 1e-4;
     const int tries = 4 * (1 + turns), rounds = sharp ? 3 : 1;
     for (int k = 0; k < rounds * tries && !found; k++) {
         const double ahead = longest * shorter[k % tries / (1 + turns)];
-        /* Where curves cross the equations are singular, and a residual moves a point near there by much; but
-         * it cannot be less than rounding. */
+        /* Where curves cross, or impacts have no speed, the equations are singular, and a residual moves a
+         * point near there by much; but it cannot be less than rounding. */
         l->x.equations.tolerance = sharp ? tolerances[k / tries] : usual;
         if (k > 0 && turns)
             saltus_curve_turn(&l->here.at);
         const saltus_status status =
             saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->next.at, why);
-        /* Folds of orbits that stay their own mirror images solve the equations of branch points, too. */
-        const bool folds = branches && !saltus_extended_breaks(&l->x);
-        found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK && saltus_locus_see(&l->x, &l->next) &&
-                !folds && has_left(l, &l->next, leaving, stays, ahead) && come_back(l, leaving, stays, ahead);
+        /* Folds of orbits that stay their own mirror images solve the equations of branch points, too, and
+         * these those of folds. */
+        found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK && !saltus_extended_strays(&l->x) &&
+                saltus_locus_see(&l->x, &l->next) && has_left(l, &l->next, leaving, stays, ahead) &&
+                come_back(l, leaving, stays, ahead);
     }
     l->x.equations.tolerance = usual;
     if (found)
@@ -646,7 +656,7 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
                 saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK && saltus_locus_see(&l->x, &l->next) &&
                 is_near(l, &l->next) && !saltus_curve_strays(&l->here.at, &l->next.at) &&
                 l->next.at.residual <= saltus_locus_sharpness(&l->x, &l->next, l->x.equations.tolerance) &&
-                saltus_locus_is_sound(&l->x, &l->here, &l->next);
+                !saltus_extended_strays(&l->x) && saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
         if (!found) {
             give_end(l);

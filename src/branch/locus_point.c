@@ -114,6 +114,21 @@ static double half_apart(const saltus_extended *x, const double *u, int i, bool 
     return u[half * x->orbits.n + i] + (mirrored ? u[i] : -u[i]);
 }
 
+void saltus_locus_keep_mirrored(const saltus_extended *x, saltus_locus_point *here) {
+    const saltus_sequence *s = saltus_shooting_sequence(x->orbits.shooting);
+    const int n = x->orbits.n, half = s->count / 2, ends[2] = {n, half};
+    double *part = here->at.tangent;
+    for (int k = 0; k < 2 && s->cuts == 2; k++) {
+        const double sign = k ? 1 : -1;
+        for (int i = 0; i < ends[k]; i++) {
+            part[i] = 0.5 * (part[i] + sign * part[ends[k] + i]);
+            part[ends[k] + i] = sign * part[i];
+        }
+        part += 2 * n;
+    }
+    saltus_make_unit(here->at.tangent, here->at.unknowns);
+}
+
 double saltus_locus_leaving(const saltus_extended *x, const saltus_locus_point *here) {
     double apart[2] = {0, 0};
     for (int i = 0; i < x->orbits.n; i++)

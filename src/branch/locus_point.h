@@ -44,6 +44,9 @@ saltus_status saltus_locus_find_near(saltus_extended *extended, saltus_locus_poi
  * if it `leaves`, otherwise the former's, from the null plane; where none cross after all, its own. */
 saltus_status saltus_locus_find_crossing(saltus_extended *extended, saltus_locus_point *here, bool leaves,
                                          saltus_message *message);
+/* Take out of the tangent at `here`, an orbit that is its own mirror image and may be cut halfway, what leads
+ * to others: where these branch off at the very same place, the equations determine it only but for that. */
+void saltus_locus_keep_mirrored(const saltus_extended *extended, saltus_locus_point *here);
 /* How fast, along the tangent at such an orbit, the halves, or the mirror images, become unlike; it may be
  * slow where perturbations grow along the orbit. */
 double saltus_locus_leaving(const saltus_extended *extended, const saltus_locus_point *here);
