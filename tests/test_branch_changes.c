@@ -347,7 +347,8 @@ static void a_contact_splits_at_one_place(void **unused) {
     saltus_scene_clear(&pipe);
 }
 
-/* A run from an orbit of a scene with these settings or, if `periods` is 0, from what that settles on. */
+/* A run from an orbit of a scene, named or told in lines, with these settings or, if `periods` is 0, from
+ * what that settles on. */
 static branch_record run_from(const char *scene_name, const char *settings, int periods, const double *state,
                               const saltus_branch_options *options) {
     saltus_message message = {.text = ""};
@@ -355,7 +356,10 @@ static branch_record run_from(const char *scene_name, const char *settings, int 
     saltus_classify_options how = saltus_classify_defaults();
     saltus_motion motion = {.periods = periods, .state = NULL};
     double own[SALTUS_SCENE_STATE_MAX];
-    check_ok(saltus_scene_load(scene_name, &scene, &message), &message);
+    if (strchr(scene_name, '\n'))
+        check_ok(saltus_scene_parse(scene_name, strlen(scene_name), "text", &scene, &message), &message);
+    else
+        check_ok(saltus_scene_load(scene_name, &scene, &message), &message);
     char *copy = strdup(settings), *rest = copy;
     for (char *word; (word = strtok_r(rest, " ", &rest));)
         check_ok(saltus_scene_set(&scene, word, &message), &message);
@@ -390,10 +394,22 @@ static branch_record run_scene(const char *scene_name, const char *settings, con
  * branch turns back into itself, orbits along which perturbations grow beyond all bounds, impacts that die as
  * the orbit touches elsewhere, places where the equations are singular, branches that turn so sharply where
  * they begin that a long step would lead to other orbits of the same events, branches that turn sharply
- * beside one another, a fold just before a branch turns back into itself and none where it only does so, and
- * steps that would leap to other orbits across what looks like a branch point. */
+ * beside one another, a fold just before a branch turns back into itself and none where it only does so,
+ * also if a step ends there, and steps that would leap to other orbits across what looks like a branch
+ * point. */
 static void steps_do_not_matter(void **unused) {
     (void)unused;
+    static const char linked[] =
+        "model:\n"
+        "  parameters: {c: 0.174792, k: 0.865053, F: 0.53502, omega: 1.54552, m: 0.7}\n"
+        "  mass: {x: 1, y: m}\n"
+        "  motion:\n"
+        "    x: -c*x' - x - k*(x - y) + F*cos(omega*t)\n"
+        "    y: -c*y' - k*(y - x) - 0.4*y\n"
+        "  forcing: omega\n"
+        "stops:\n"
+        "  - {coordinate: x - y, d: 0.5, r: 0.7, sides: both}\n"
+        "  - {coordinate: y, d: 0.7, r: 0.6, sides: upper}\n";
     static const struct {
         const char *scene, *settings, *key;
         double low, high;
@@ -411,6 +427,7 @@ static void steps_do_not_matter(void **unused) {
         {"two-mass", "d=0.373239 omega=0.89146 r=0.899447 c=0.281725", "omega", 0.84119986, 1.0456735, 2, 5,
          0.04},
         {"pipe", "N=4 d=0.014 omega=43.6 r=0.208 sides=both", "omega", 43.45, 43.65, 0, 2, 0.006},
+        {linked, "m=0.752731", "m", 0.2307979, 0.88908213, 0, 1, 0.04},
     };
     for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
         branch_record record[3];
@@ -686,6 +703,24 @@ static void tori_between_the_grazings_of_a_run(void **unused) {
     branch_forget(&record);
 }
 
+/* Where the search for a fold leads to the other one of two branches that join, there is none. */
+static void no_fold_is_on_the_other_branch(void **unused) {
+    (void)unused;
+    saltus_branch_options options = branch_along("omega", 0.71149678, 1.1703018);
+    options.direction = 1;
+    options.switches = 2;
+    options.points = 530;
+    options.step = options.step_max = 0.01;
+    branch_record record =
+        run_from("chain", "N=3 c=0.23065 omega=1.02569 d=0.216849 r=0.504962", 0, NULL, &options);
+    int at = 0;
+    const saltus_branch_point *join = branch_next_special(&record, 3, &at);
+    assert_int_equal(join->kind, SALTUS_POINT_PD);
+    assert_string_equal(join->label, "6/4");
+    assert_null(branch_next_special(&record, 3, &at));
+    branch_forget(&record);
+}
+
 /* Where the table only just lifts the ball off, rounding hides all orbits: nothing special is seen there but
  * the place where the ball stays down. */
 static void nothing_is_named_within_rounding(void **unused) {
@@ -725,6 +760,7 @@ int main(void) {
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
         cmocka_unit_test(a_second_chatter_completes),
         cmocka_unit_test(tori_between_the_grazings_of_a_run),
+        cmocka_unit_test(no_fold_is_on_the_other_branch),
         cmocka_unit_test(nothing_is_named_within_rounding),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -212,6 +212,41 @@ static void impacts_of_planar_cycles_die_together(void **unused) {
     }
 }
 
+/* The determinants vanish where the impact dies: all the same the cycle neither flips there, whatever the
+ * steps, nor turns back. The other way it shrinks to the equilibrium, on the stop where that is at exactly 0.
+ */
+static void a_planar_cycle_dies_and_shrinks(void **unused) {
+    (void)unused;
+    static const char text[] =
+        "model:\n"
+        "  parameters: {U: 1.89899}\n"
+        "  motion: {x: (0.154182*U - 0.0700834)*x' - x - 0.590972*x'^3/U - 0.28486*x^3}\n"
+        "stop: {coordinate: x, d: 0.634871, r: 0.45945, sides: upper}\n"
+        "initial: {x: 0.1}\n";
+    for (int k = 0; k < 6; k++) {
+        const bool shrinks = k > 2;
+        saltus_scene scene = scene_from(text, NULL, 0);
+        saltus_branch_options options = branch_along("d", shrinks ? -0.1 : 0.52880211, 1.2263325);
+        options.direction = shrinks ? -1 : 1;
+        options.step_max = 0.01 * (1 << k % 3);
+        options.step = 0.25 * options.step_max;
+        branch_record record = branch_of(&scene, options, NULL);
+        assert_int_equal(count_special(&record), 1);
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            if (!branch_special(p))
+                continue;
+            assert_int_equal(p->kind, shrinks ? SALTUS_POINT_BE : SALTUS_POINT_GR);
+            assert_string_equal(p->reason,
+                                shrinks ? "the orbit shrinks to an equilibrium on a stop" : "an impact dies");
+            if (shrinks)
+                check_near(p->value[0], 0, p->accuracy);
+        }
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
 /* A cycle whose section points are impacts can be followed: in one turn its first impact is neither counted
  * twice nor missed. */
 static void cycles_begin_at_impacts(void **unused) {
@@ -730,6 +765,7 @@ int main(void) {
         cmocka_unit_test(a_planar_cycle_keeps_stable_through_grazing),
         cmocka_unit_test(symmetric_cycles_pass_grazing),
         cmocka_unit_test(impacts_of_planar_cycles_die_together),
+        cmocka_unit_test(a_planar_cycle_dies_and_shrinks),
         cmocka_unit_test(cycles_begin_at_impacts),
         cmocka_unit_test(returns_come_and_go),
         cmocka_unit_test(cycles_end_where_they_are_born),

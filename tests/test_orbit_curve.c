@@ -581,7 +581,7 @@ static void grazing_is_passed(void **state) {
         assert_true(saltus_solution_zero(&f.orbits, p->test, 0, &from, &to, &at).found);
         bool touch = at.worst.kind == SALTUS_BREACH_GAP;
         assert_int_equal(touch, f.o.periods == 2);
-        saltus_change_graze(&f.orbits, &at, &beyond, &here, &next, &change);
+        saltus_change_graze(&f.orbits, &from, &at, &beyond, &here, &next, &change);
         assert_int_equal(change.kind, SALTUS_POINT_GR);
         assert_int_equal(beyond.count, touch ? 2 : 0);
         assert_string_equal(change.reason, touch ? "an impact is born" : "an impact dies");

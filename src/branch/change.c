@@ -94,9 +94,18 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *
     return ones > 1;
 }
 
-void saltus_change_graze(saltus_orbits *o, const saltus_solution *at, saltus_sequence *beyond,
-                         saltus_solution *here, saltus_solution *next, saltus_change *change) {
-    const double still = 1e-7, together = 1e-9;
+/* The sign is that of the parameter's change along a curve at `s`. Where the orbit forgets all perturbations
+ * the curve begins or ends there at constant parameter: then it is that on the step from `first` to `last`.
+ */
+static double way_at(const saltus_solution *s, const saltus_solution *first, const saltus_solution *last) {
+    const double still = 1e-7, heading = saltus_solution_heading(s);
+    return fabs(heading) > still ? heading : last->parameter[0] - first->parameter[0];
+}
+
+void saltus_change_graze(saltus_orbits *o, const saltus_solution *from, const saltus_solution *at,
+                         saltus_sequence *beyond, saltus_solution *here, saltus_solution *next,
+                         saltus_change *change) {
+    const double together = 1e-9;
     const saltus_breach_kind worst = saltus_solution_touch(at)->kind;
     int order[SALTUS_MARKS_MAX];
     saltus_breach *picked = calloc((size_t)at->breach_count + 1, sizeof *picked);
@@ -130,10 +139,7 @@ void saltus_change_graze(saltus_orbits *o, const saltus_solution *at, saltus_seq
     if (passes) {
         change->kind = SALTUS_POINT_GR;
         saltus_solution_label(o, next, change->after);
-        /* Where the orbit forgets all perturbations the new curve may begin at constant parameter. */
-        double onward = fabs(saltus_solution_heading(here)) > still ? saltus_solution_heading(here)
-                                                                    : next->parameter[0] - at->parameter[0];
-        change->turns_back = saltus_solution_heading(at) * onward < 0;
+        change->turns_back = way_at(at, from, at) * way_at(here, at, next) < 0;
         change->distance = next->at.ahead;
     }
     free(picked);

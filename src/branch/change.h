@@ -33,11 +33,12 @@ typedef struct saltus_change {
  * tangent before grazing, in the new unknowns. False: no orbit of this period continues with other events. */
 bool saltus_change_pass(saltus_orbits *orbits, const saltus_sequence *beyond, const double *parameters,
                         const double *state, const double *old, saltus_solution *here, saltus_solution *next);
-/* The change of events at the grazing orbit `at`: *change gets kind GR if the branch continues with the
- * sequence `beyond`, otherwise EP; its reason is NULL if the impact that is born is too close to another one
- * to be distinguished from it. */
-void saltus_change_graze(saltus_orbits *orbits, const saltus_solution *at, saltus_sequence *beyond,
-                         saltus_solution *here, saltus_solution *next, saltus_change *change);
+/* The change of events at the grazing orbit `at`, at the end of a step `from` another one: *change gets kind
+ * GR if the branch continues with the sequence `beyond`, otherwise EP; its reason is NULL if the impact that
+ * is born is too close to another one to be distinguished from it. */
+void saltus_change_graze(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *at,
+                         saltus_sequence *beyond, saltus_solution *here, saltus_solution *next,
+                         saltus_change *change);
 /* Whether the orbit at a change without its impacts of zero speed is one of a family of orbits at the same
  * parameters, of which no single one is special: without damping, where the period is that of oscillations
  * between impacts. *doubled: whether it is, or orbits of twice the period are. */

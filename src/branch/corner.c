@@ -319,8 +319,8 @@ static saltus_status evaluate_without(const saltus_extended *x, const saltus_sol
  * that keep it so, which are singular at a fold, and of those that do not, singular at a branch point. */
 static void measure_halves(saltus_orbits *o, saltus_shooting *shooting, saltus_locus_test tests[2]) {
     const saltus_equations *e = saltus_shooting_equations(shooting);
-    const int n = o->n, marks = saltus_shooting_sequence(shooting)->count / 2, size = n + marks, m = e->unknowns,
-              row = n - saltus_shooting_closing_row(shooting);
+    const int n = o->n, marks = saltus_shooting_sequence(shooting)->count / 2, size = n + marks,
+              m = e->unknowns, row = n - saltus_shooting_closing_row(shooting);
     saltus_dense_lu lu = {.n = 0};
     double *a = calloc((size_t)(size * size), sizeof *a);
     const bool room = a && saltus_dense_lu_open(&lu, size);

@@ -23,12 +23,12 @@ int saltus_special_insert(saltus_special found, saltus_special *specials, int co
     return count + 1;
 }
 
-/* Whether a step begins at grazing, with an impact of zero speed. If multipliers pass through grazing
+/* Whether a step begins or ends at grazing, with an impact of zero speed. If multipliers pass through grazing
  * unchanged, as in planar flows, the determinants there are only rounding. */
-static bool begins_at_grazing(const saltus_solution *from) {
+static bool grazes(const saltus_solution *end) {
     const double still = 1e-9;
-    for (int k = 0; k < from->breach_count; k++)
-        if (from->breaches[k].kind == SALTUS_BREACH_SPEED && fabs(from->breaches[k].value) < still)
+    for (int k = 0; k < end->breach_count; k++)
+        if (end->breaches[k].kind == SALTUS_BREACH_SPEED && fabs(end->breaches[k].value) < still)
             return true;
     return false;
 }
@@ -57,8 +57,9 @@ static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solut
     const double values[] = {near, far}, rounding = 1e-8;
     if (!saltus_test_crosses(near, far) ||
         (found.test != SALTUS_TEST_VALUE && is_known(specials, count, found.test, ends[0], ends[1])) ||
-        (found.test != SALTUS_TEST_VALUE && ends[0] == 0 && fabs(near) < rounding * fabs(far) &&
-         begins_at_grazing(from)))
+        (found.test != SALTUS_TEST_VALUE &&
+         ((ends[0] == 0 && fabs(near) < rounding * fabs(far) && grazes(from)) ||
+          (ends[1] == to->at.ahead && fabs(far) < rounding * fabs(near) && grazes(to)))))
         return count;
     found.ahead = ends[1];
     if (far != 0) {
@@ -159,7 +160,7 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
                                            {.kind = SALTUS_POINT_BP, .test = SALTUS_TEST_CROSSING},
                                            {.kind = SALTUS_POINT_NS, .test = SALTUS_TEST_PAIR}};
     const double beyond = 1e-4, just = 1e-3;
-    const bool far_from_flip = lacks_multiplier(from, SALTUS_POINT_PD) && !begins_at_grazing(from);
+    const bool far_from_flip = lacks_multiplier(from, SALTUS_POINT_PD) && !grazes(from);
     const unsigned vague = ~(far_from_flip ? 1u << SALTUS_TEST_FLIP : 0u);
     place places[places_max] = {place_of(from, from, 0, fresh ? vague : 0),
                                 place_of(to, from, to->at.ahead, 0)};

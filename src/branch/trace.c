@@ -60,7 +60,7 @@ void saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltus_notice 
             what.reason = reason;
         }
         t->returns = returns;
-        t->counted = what.value != 0 ? what.value : s->value;
+        t->counted = what.value ? *what.value : s->value;
     }
     saltus_trail_give(t->trail, t->orbits.system, &point, &what, &t->orbits.starved);
 }

@@ -94,7 +94,7 @@ static bool is_start(const saltus_trace *t, const saltus_special *special) {
 static void give_shared_end(saltus_trace *t, const saltus_solution *at, saltus_notice what) {
     char reason[SALTUS_REASON_MAX];
     if (what.kind == SALTUS_POINT_PD || what.kind == SALTUS_POINT_BP)
-        saltus_trace_follow_joined(t, at, what.kind, what.value);
+        saltus_trace_follow_joined(t, at, what.kind, *what.value);
     saltus_trace_give(t, at, what);
     if (!t->trail->following)
         return;
@@ -132,7 +132,7 @@ static void give_branching(saltus_trace *t, const saltus_solution *at, saltus_no
                            const saltus_sequence *beyond) {
     char reason[SALTUS_REASON_MAX];
     int other = -1;
-    const double value = what.value != 0 ? what.value : at->value;
+    const double value = what.value ? *what.value : at->value;
     const bool branches =
         what.kind == SALTUS_POINT_PD || what.kind == SALTUS_POINT_BP || what.kind == SALTUS_POINT_GR;
     const bool known = branches && saltus_trace_was_joined(t, at, what.kind, value, &other);
@@ -165,7 +165,7 @@ static void give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_
                                 .ahead = special->ahead,
                                 .accuracy = special->accuracy,
                                 .reason = special->end,
-                                .value = special->value};
+                                .value = &special->value};
     saltus_branch_point *last = saltus_trail_last(t->trail);
     if (last && is_pitchfork(last, special, t->trail->arclength + special->ahead)) {
         if (special->kind == SALTUS_POINT_LP)
@@ -182,11 +182,15 @@ static void give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_
 
 /* A step may leap from one curve to another where these turn sharply beside one another. They then seem to
  * cross, although no orbit there is a branch point. Whether they do, or special points cannot be reached or
- * may be `hidden`, so that the step is to be repeated with a shorter one, which may tell. */
+ * may be `hidden`, or one that cannot be told from a fold or branch point may lie just beyond the step's end,
+ * so that the step is to be repeated with a shorter one, which may tell. */
 static bool seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const saltus_special *specials,
                       int count, bool hidden) {
-    const double least = 1e-5, short_enough = 1e-3;
-    bool again = hidden && t->next->at.ahead > short_enough;
+    const double least = 1e-5, short_enough = 1e-3, close = 1e-4, shorter = 0.7;
+    const saltus_special *last = count > 0 ? &specials[count - 1] : NULL;
+    const bool at_end = last && (last->kind == SALTUS_POINT_LP || last->kind == SALTUS_POINT_BP) &&
+                        t->next->at.ahead - last->ahead < close;
+    bool again = (hidden || at_end) && t->next->at.ahead > short_enough;
     for (int k = 0; k < count && !again && t->next->at.ahead > least; k++) {
         saltus_special special = specials[k];
         bool is_one = true;
@@ -197,7 +201,7 @@ static bool seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const salt
         again = !is_one || (special.kind == SALTUS_POINT_BP && !isfinite(special.accuracy));
     }
     if (again)
-        t->trail->step = 0.5 * t->next->at.ahead;
+        t->trail->step = (at_end ? shorter : 0.5) * t->next->at.ahead;
     return again;
 }
 
@@ -224,8 +228,8 @@ static bool give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, bool m
     return true;
 }
 
-/* The notice of a change of events, at this distance and parameter value. */
-static saltus_notice notice_of(const saltus_change *change, double ahead, double value) {
+/* The notice of a change of events, at this distance and parameter value (NULL: the solution's). */
+static saltus_notice notice_of(const saltus_change *change, double ahead, const double *value) {
     return (saltus_notice){.kind = change->kind,
                            .ahead = ahead,
                            .accuracy = change->accuracy,
@@ -256,7 +260,7 @@ static bool complete_run(saltus_trace *t, bool far) {
                                 &change))
         return false;
     t->births.count = 0;
-    go_over(t, notice_of(&change, 0, 0), change.distance);
+    go_over(t, notice_of(&change, 0, NULL), change.distance);
     return true;
 }
 
@@ -274,7 +278,7 @@ static void leap(saltus_trace *t, double ahead, saltus_leap kind, const char *wh
             return;
     }
     const bool ends = change.kind == SALTUS_POINT_EP;
-    saltus_notice what = notice_of(&change, t->trial->at.ahead, change.value);
+    saltus_notice what = notice_of(&change, t->trial->at.ahead, change.value != 0 ? &change.value : NULL);
     if (ends)
         what.addition = "; beyond it no orbit of this period was found";
     if (isnan(change.accuracy))
@@ -320,7 +324,7 @@ static void graze(saltus_trace *t, double accuracy) {
         images || (apart < 1e-4 && apart < 0.05 * saltus_solution_part_distance(o, t->here, 2, NULL));
     what.grazing = saltus_trace_touch(at, joins);
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
-    saltus_change_graze(o, at, &beyond, t->spare, t->trial, &change);
+    saltus_change_graze(o, t->here, at, &beyond, t->spare, t->trial, &change);
     /* Rounding hides further impacts: leap to where chatter is complete. */
     if (change.kind == SALTUS_POINT_EP && !joins && (!change.reason || ends_run(at))) {
         saltus_orbits_reshape(o, t->here);
@@ -372,10 +376,10 @@ static void settle(saltus_trace *t) {
     if ((chatter || (known && before->sticking_intervals != after->sticking_intervals)) &&
         !saltus_change_within(&t->orbits, t->here, t->next, t->trial, &change))
         change.kind = SALTUS_POINT_REGULAR;
-    saltus_notice what = notice_of(&change, t->trial->at.ahead, t->trial->value);
-    bool retraced =
-        chatter && after->impacts < 0 &&
-        saltus_change_retrace(&t->orbits, t->next, t->spare, t->other, &what.value, &what.accuracy);
+    double value = t->trial->value;
+    saltus_notice what = notice_of(&change, t->trial->at.ahead, &value);
+    bool retraced = chatter && after->impacts < 0 &&
+                    saltus_change_retrace(&t->orbits, t->next, t->spare, t->other, &value, &what.accuracy);
     if (retraced) {
         t->spare->at.ahead = t->next->at.ahead;
         SALTUS_SWAP(t->next, t->spare);
@@ -435,7 +439,7 @@ static bool find_end(saltus_trace *t) {
                                         .ahead = zero.ahead,
                                         .accuracy = zero.accuracy,
                                         .reason = "the orbit shrinks to an equilibrium on a stop",
-                                        .value = value,
+                                        .value = &value,
                                         .grazing = &t->trial->breaches[0]});
         return true;
     }

@@ -147,7 +147,7 @@ void saltus_trail_give(saltus_trail *t, const saltus_system *system, saltus_bran
     point->parent = t->parent;
     point->step = point->locus ? t->made : t->regular;
     point->arclength = t->arclength + what->ahead;
-    point->value[0] = what->value != 0 ? what->value : point->value[0];
+    point->value[0] = what->value ? *what->value : point->value[0];
     point->accuracy = what->accuracy + DBL_EPSILON * fabs(point->value[0]);
     /* These are known only from the event-driven flow, to its tolerance. */
     if (what->kind == SALTUS_POINT_CH || what->kind == SALTUS_POINT_ST)

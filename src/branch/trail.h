@@ -29,7 +29,7 @@ typedef struct saltus_notice {
     double ahead, accuracy;
     const char *reason, *addition; /* its two parts; NULL: none */
     const char *after;             /* label beyond; NULL: none */
-    double value;                  /* 0: the solution's */
+    const double *value;           /* NULL: the solution's */
     bool change;                   /* a change of events: label and counts are those of the orbit before it */
     const saltus_breach *grazing;  /* the touch, which a GR or BE tells; NULL: not known */
 } saltus_notice;
