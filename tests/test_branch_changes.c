@@ -395,8 +395,8 @@ static branch_record run_scene(const char *scene_name, const char *settings, con
  * the orbit touches elsewhere, places where the equations are singular, branches that turn so sharply where
  * they begin that a long step would lead to other orbits of the same events, branches that turn sharply
  * beside one another, a fold just before a branch turns back into itself and none where it only does so,
- * also if a step ends there, and steps that would leap to other orbits across what looks like a branch
- * point. */
+ * also if a step ends there, steps that would leap to other orbits across what looks like a branch point, and
+ * a torus on the same step as two real multipliers with the product 1. */
 static void steps_do_not_matter(void **unused) {
     (void)unused;
     static const char linked[] =
@@ -410,6 +410,14 @@ static void steps_do_not_matter(void **unused) {
         "stops:\n"
         "  - {coordinate: x - y, d: 0.5, r: 0.7, sides: both}\n"
         "  - {coordinate: y, d: 0.7, r: 0.6, sides: upper}\n";
+    static const char whirling[] =
+        "model:\n"
+        "  parameters: {e: 0.6, omega: 1.14429}\n"
+        "  motion:\n"
+        "    x: -0.088296*x' - x - 0.120597*y + e*omega^2*cos(omega*t)\n"
+        "    y: -0.088296*y' - 1.4*y + 0.120597*x + e*omega^2*sin(omega*t) - 0.273232\n"
+        "  forcing: omega\n"
+        "stop: {coordinate: x, d: 0.890287, r: 0.790858, sides: both}\n";
     static const struct {
         const char *scene, *settings, *key;
         double low, high;
@@ -428,6 +436,7 @@ static void steps_do_not_matter(void **unused) {
          0.04},
         {"pipe", "N=4 d=0.014 omega=43.6 r=0.208 sides=both", "omega", 43.45, 43.65, 0, 2, 0.006},
         {linked, "m=0.752731", "m", 0.2307979, 0.88908213, 0, 1, 0.04},
+        {whirling, "e=0.6", "e", 0.56, 0.7, 0, 2, 0.2},
     };
     for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
         branch_record record[3];

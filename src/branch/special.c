@@ -33,9 +33,11 @@ static bool grazes(const saltus_solution *end) {
     return false;
 }
 
-/* A place on a step with its tests' values; NAN where one is not compared. */
+/* A place on a step with its tests' values, NAN where one is not compared, and the number of multipliers
+ * that are not inside the unit circle. */
 typedef struct place {
     double ahead, value[SALTUS_TEST_PAIR + 1];
+    int outside;
 } place;
 
 /* Whether a test's zero between two places is known. Rounding may put it on the other side of a place so
@@ -88,7 +90,10 @@ static int add_along(saltus_orbits *o, const saltus_solution *from, const saltus
 
 /* `hidden`: bits of the tests that are not compared there. */
 static place place_of(const saltus_solution *s, const saltus_solution *from, double ahead, unsigned hidden) {
+    const double inside = -1e-5; /* logarithm of the modulus */
     place own = {.ahead = ahead};
+    for (int k = 0; k < s->survey.multiplier_count; k++)
+        own.outside += s->survey.multipliers[k].log_modulus > inside;
     for (int test = 0; test <= SALTUS_TEST_PAIR; test++)
         own.value[test] = hidden >> test & 1 ? NAN : saltus_test_value((saltus_test)test, 0, s, from);
     return own;
@@ -100,7 +105,7 @@ static bool look(saltus_orbits *o, const saltus_solution *from, double ahead, sa
            saltus_orbits_noted(o, saltus_solution_survey(o, scratch, NULL)) == SALTUS_OK;
 }
 
-enum { places_max = 8, tested_max = 8 };
+enum { places_max = 12, tested_max = 8 };
 
 /* Insert a place between the first and the last one, unless the curve is not reached there, or there is no
  * more room. Returns the new number. */
@@ -114,6 +119,21 @@ static int insert(saltus_orbits *o, const saltus_solution *from, double ahead, u
         places[at] = places[at - 1];
     places[at] = place_of(scratch, from, ahead, hidden);
     return known + 1;
+}
+
+/* Where two multipliers cross the unit circle, places in between: two flips are two zeros of one test, and so
+ * may be a torus and a place where two real multipliers have the product 1. */
+static int part_crossings(saltus_orbits *o, const saltus_solution *from, saltus_solution *scratch,
+                          place *places, int known) {
+    const double least = 0.05 * places[known - 1].ahead;
+    for (int k = 1; k < known;) {
+        const double width = places[k].ahead - places[k - 1].ahead;
+        const int before = known;
+        if (abs(places[k].outside - places[k - 1].outside) > 1 && width > least)
+            known = insert(o, from, places[k].ahead - 0.5 * width, 0, scratch, places, known);
+        k += known == before;
+    }
+    return known;
 }
 
 /* Where a branch turns back into itself at `ahead`, a fold beyond is the image of one before, and so is the
@@ -168,7 +188,8 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
     if (fresh)
         known = insert(o, from, beyond, 0, scratch, places, known);
     const int kind_count = stays_on_circle(from, to) ? 3 : 4;
-    for (int pass = 0; pass < 2; pass++)
+    for (int pass = 0; pass < 2; pass++) {
+        known = part_crossings(o, from, scratch, places, known);
         for (int k = 0; k < kind_count; k++) {
             const saltus_test test = kinds[k].test;
             const int before = count, compared = known;
@@ -200,6 +221,7 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
                 }
             }
         }
+    }
     return count;
 }
 
