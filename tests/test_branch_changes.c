@@ -651,6 +651,39 @@ static void halves_that_are_all_but_alike(void **unused) {
     branch_forget(&record);
 }
 
+/* Where hardly anything rebounds, grazings, flips and the completion of chatter lie so close together that
+ * rounding hides orbits of twice the period: shorter ones do not go by their name. The branch itself goes on,
+ * and not back, to where nothing rebounds. */
+static void where_hardly_anything_rebounds(void **unused) {
+    (void)unused;
+    static const char text[] =
+        "model:\n"
+        "  parameters: {omega: 0.986548}\n"
+        "  motion: {x: -0.139236*x' - x - 0.196256*tanh(8*x') + 0.70394*cos(omega*t)}\n"
+        "  forcing: omega\n"
+        "stop: {coordinate: x, d: 0.655929, r: 0.7, sides: upper}\n";
+    static const saltus_point_kind kinds[] = {SALTUS_POINT_GR, SALTUS_POINT_PD, SALTUS_POINT_GR,
+                                              SALTUS_POINT_PD, SALTUS_POINT_CH};
+    for (int k = 0; k < 2; k++) {
+        saltus_branch_options options = branch_along("r", 0, 0.01);
+        options.direction = -1;
+        options.switches = 3;
+        options.step = 0.01;
+        options.step_max = k ? 0.04 : 0.02;
+        branch_record record = run_from(text, "r=0.005", 0, NULL, &options);
+        int at = 0, ends = 0;
+        for (int j = 0; j < 5; j++)
+            assert_int_equal(branch_next_special(&record, 0, &at)->kind, kinds[j]);
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            ends += p->kind == SALTUS_POINT_EP && p->branch == 0 && p->value[0] == 0;
+            assert_true(p->branch < 2 || !branch_special(p));
+        }
+        assert_int_equal(ends, 1);
+        branch_forget(&record);
+    }
+}
+
 /* Without losses multipliers are on the unit circle: where a range ends at r = 1 they come to it and do not
  * cross it. */
 static void no_torus_begins_where_nothing_is_lost(void **unused) {
@@ -766,6 +799,7 @@ int main(void) {
         cmocka_unit_test(joined_branches_are_followed),
         cmocka_unit_test(a_branch_joined_twice_is_followed_once),
         cmocka_unit_test(halves_that_are_all_but_alike),
+        cmocka_unit_test(where_hardly_anything_rebounds),
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
         cmocka_unit_test(a_second_chatter_completes),
         cmocka_unit_test(tori_between_the_grazings_of_a_run),

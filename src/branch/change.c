@@ -422,6 +422,9 @@ void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ah
             continue;
         saltus_change found = compare(o, from, at, width, why, here);
         found.distance = distance;
+        /* Without a change the branch would go back on itself. */
+        if (own % 2 && found.kind == SALTUS_POINT_REGULAR)
+            continue;
         belonging belongs = head_on(o, at, way, leap, here, scratch, &found);
         if (belongs == BELONGS || k == tries) {
             *change = found;

@@ -550,15 +550,20 @@ bool saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double 
     return is_one;
 }
 
+/* Halves of orbits that differ by less are alike. */
+static const double closes = 1e-8;
+
+bool saltus_special_halves(saltus_orbits *o, const saltus_solution *s) {
+    return s->sequence.periods % 2 == 0 &&
+           (s->sequence.count == 0 ? saltus_solution_part_distance(o, s, 2, NULL)
+                                   : saltus_sequence_repeats(&s->sequence, 2, false)) < closes;
+}
+
 bool saltus_special_strays(saltus_orbits *o, const saltus_solution *here, const saltus_solution *next) {
-    const double closes = 1e-8, open = 1e-6;
-    bool even = here->sequence.periods % 2 == 0;
+    const double open = 1e-6;
     if (here->sequence.count == 0)
-        return even && saltus_solution_part_distance(o, next, 2, NULL) < closes &&
-               saltus_solution_part_distance(o, here, 2, NULL) > open;
-    for (int mirrored = even ? 0 : 1; mirrored < 2; mirrored++)
-        if (saltus_sequence_repeats(&here->sequence, 2, mirrored) > open &&
-            saltus_sequence_repeats(&next->sequence, 2, mirrored) < closes)
-            return true;
-    return false;
+        return saltus_special_halves(o, next) && saltus_solution_part_distance(o, here, 2, NULL) > open;
+    return (saltus_special_halves(o, next) && saltus_sequence_repeats(&here->sequence, 2, false) > open) ||
+           (saltus_sequence_repeats(&next->sequence, 2, true) < closes &&
+            saltus_sequence_repeats(&here->sequence, 2, true) > open);
 }

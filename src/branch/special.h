@@ -43,6 +43,8 @@ bool saltus_special_visit(saltus_orbits *orbits, const saltus_solution *from, do
  * of the test. INFINITY if that flow finds no such point. */
 double saltus_special_doubt(saltus_orbits *orbits, saltus_test test, const saltus_solution *at);
 
+/* Whether an orbit is one of half the period, as far as rounding tells. */
+bool saltus_special_halves(saltus_orbits *orbits, const saltus_solution *solution);
 /* Whether a step has led from orbits that do not close (or are not their own mirror images) after half the
  * period to orbits that do: the step was too long to see that the branch meets theirs and turns back
  * there. */

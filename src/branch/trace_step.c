@@ -20,14 +20,18 @@ static void end_at_border(saltus_trace *t, saltus_solution *s, double ahead) {
     saltus_trace_end(t, s, ahead, saltus_range_ends);
 }
 
-/* End the branch at a solution, if it is so close to a border of the range that rounding hides the others up
- * to there, as where a stop leaves no room and all motion ends. It gets the exact value of the border if the
- * parameter may have it. */
-static bool end_by_border(saltus_trace *t, saltus_solution *s) {
+/* Whether a solution is so close to a border of the range that rounding hides the others up to there, as
+ * where a stop leaves no room and all motion ends, or where impacts hardly rebound. */
+static bool is_by_border(const saltus_trace *t, const saltus_solution *s) {
     const double close = 1e-8;
+    return fmin(fabs(s->parameter[0] - t->range[0]), fabs(s->parameter[0] - t->range[1])) < close;
+}
+
+/* End the branch at such a solution. It gets the exact value of the border if the parameter may have it. */
+static bool end_by_border(saltus_trace *t, saltus_solution *s) {
     const int side = s->parameter[0] > 0.5 * (t->range[0] + t->range[1]);
     saltus_system *system = NULL;
-    if (!(fabs(s->parameter[0] - t->range[side]) < close))
+    if (!is_by_border(t, s))
         return false;
     const saltus_spec spec = saltus_family_spec(&t->orbits.family, &t->range[side], s->sequence.omega);
     if (saltus_orbits_noted(&t->orbits, saltus_system_new(&spec, &system, NULL)) == SALTUS_OK)
@@ -285,7 +289,7 @@ static void leap(saltus_trace *t, double ahead, saltus_leap kind, const char *wh
         saltus_trace_end(t, t->here, 0, why);
     else if (change.at_border)
         end_at_border(t, t->spare, t->trial->at.ahead);
-    else if (!(ends && kind == SALTUS_LEAP_EVENTS && end_by_border(t, t->trial)))
+    else if (!(ends && end_by_border(t, t->trial)))
         go_over(t, what, t->trial->at.ahead + change.distance);
 }
 
@@ -336,6 +340,11 @@ static void graze(saltus_trace *t, double accuracy) {
         return;
     }
     bool goes_on = change.kind == SALTUS_POINT_GR && !joins;
+    if (goes_on && saltus_special_halves(o, t->trial)) {
+        saltus_trace_end(t, at, at->at.ahead,
+                         "rounding hides how the halves of the orbit differ beyond a grazing");
+        return;
+    }
     what.reason = joins ? NULL : change.reason;
     what.after = goes_on ? change.after : NULL;
     what.addition = goes_on && change.turns_back ? "; the branch turns back (non-smooth fold)" : NULL;
@@ -374,7 +383,7 @@ static void settle(saltus_trace *t) {
     bool chatter = known && (before->impacts < 0) != (after->impacts < 0);
     saltus_change change = {.kind = SALTUS_POINT_REGULAR};
     if ((chatter || (known && before->sticking_intervals != after->sticking_intervals)) &&
-        !saltus_change_within(&t->orbits, t->here, t->next, t->trial, &change))
+        (!saltus_change_within(&t->orbits, t->here, t->next, t->trial, &change) || is_by_border(t, t->trial)))
         change.kind = SALTUS_POINT_REGULAR;
     double value = t->trial->value;
     saltus_notice what = notice_of(&change, t->trial->at.ahead, &value);
