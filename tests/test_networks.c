@@ -84,6 +84,7 @@ static void check_ends(const network *n, const branch_record *record) {
         const bool border = p->value[0] == n->low[0] || p->value[0] == n->high[0] ||
                             p->value[1] == n->low[1] || p->value[1] == n->high[1];
         if (p->kind == SALTUS_POINT_EP && !border && !strstr(p->reason, "come back") &&
+            !strstr(p->reason, "shrink to a touch") &&
             !(is_named(last) && last->branch == p->branch && apart(n, last, p) < 1e-9))
             fail_msg("%s: curve %d of %s ends at %.12g, %.12g: %s", n->settings, p->branch,
                      saltus_point_word(p->locus), p->value[0], p->value[1], p->reason);
@@ -180,8 +181,53 @@ static void mirror_images_graze_on_one_curve(void **unused) {
                                     {1.39655, 1.49654},
                                     2,
                                     {0.04, 0.02, 0.01},
-                                    4};
+                                    18};
     check_network(&network, 0, NULL);
+}
+
+/* Where an orbit that is its own mirror image grazes twice at once, a multiplier of half of it is infinite
+ * and passes from one sign to the other: folds and branch points meet grazing, flips do not. */
+static void mirror_images_graze_at_once(void **unused) {
+    (void)unused;
+    static const network network = {"impact-oscillator",
+                                    "d=0.696941 omega=1.03281 r=0.94041 c=0 sides=both",
+                                    SALTUS_POINT_GR,
+                                    {"omega", "d"},
+                                    {0.72297, 0.34847},
+                                    {1.44594, 1.04541},
+                                    1,
+                                    {0.04, 0.02, 0.01},
+                                    2};
+    check_network(&network, 0, NULL);
+}
+
+/* Without damping x = 9/16 cos(t/3) - 1/16 cos t touches a stop at d = F = 1/2 with three derivatives zero.
+ */
+static void impacts_shrink_to_a_flat_touch(void **unused) {
+    (void)unused;
+    static const network network = {"impact-oscillator",
+                                    "d=0.388822 omega=0.425623 r=0.305968 c=0 sides=both",
+                                    SALTUS_POINT_GR,
+                                    {"omega", "d"},
+                                    {0.297936, 0.194411},
+                                    {0.595872, 0.583233},
+                                    1,
+                                    {0.04, 0.02},
+                                    -1};
+    check_network(&network, 0, NULL);
+    branch_record record = follow(&network, 0.04, 0, NULL);
+    int found = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        if (!strstr(p->reason, "shrink to a touch"))
+            continue;
+        check_near(p->value[0], 1. / 3, p->accuracy + 1e-14);
+        check_near(p->value[1], 0.5, p->accuracy + 1e-14);
+        found++;
+    }
+    /* Of a curve of grazing and one of folds. */
+    assert_int_equal(found, 2);
+    branch_forget(&record);
 }
 
 /* Where folding orbits become their own mirror images is told by the branch points of such orbits. */
@@ -695,6 +741,8 @@ int main(void) {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
         cmocka_unit_test(branch_points_are_met_from_near_by),
         cmocka_unit_test(mirror_images_graze_on_one_curve),
+        cmocka_unit_test(mirror_images_graze_at_once),
+        cmocka_unit_test(impacts_shrink_to_a_flat_touch),
         cmocka_unit_test(folds_end_at_symmetric_orbits),
         cmocka_unit_test(folds_end_at_flips),
         cmocka_unit_test(impacts_die_and_are_born_at_once),

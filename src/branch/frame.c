@@ -19,7 +19,7 @@ saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *
     /* It is the state at a second cut of the sequence. */
     cut.cuts = 2;
     cut.cut[0] = cut.base;
-    cut.cut[1] = time;
+    cut.cut[1] = time < cut.base ? time + cut.periods : time;
     saltus_status status = saltus_orbits_shoot(o, &cut, s->parameter, s->state, &shooting, &u, message);
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
         state[i] = u[o->n + i] * saltus_shooting_scale(shooting)[i];
