@@ -347,6 +347,18 @@ static void a_contact_splits_at_one_place(void **unused) {
     saltus_scene_clear(&pipe);
 }
 
+/* Two masses, of which one hits a wall, and the stops between them. */
+static const char linked[] = "model:\n"
+                             "  parameters: {c: 0.174792, k: 0.865053, F: 0.53502, omega: 1.54552, m: 0.7}\n"
+                             "  mass: {x: 1, y: m}\n"
+                             "  motion:\n"
+                             "    x: -c*x' - x - k*(x - y) + F*cos(omega*t)\n"
+                             "    y: -c*y' - k*(y - x) - 0.4*y\n"
+                             "  forcing: omega\n"
+                             "stops:\n"
+                             "  - {coordinate: x - y, d: 0.5, r: 0.7, sides: both}\n"
+                             "  - {coordinate: y, d: 0.7, r: 0.6, sides: upper}\n";
+
 /* A run from an orbit of a scene, named or told in lines, with these settings or, if `periods` is 0, from
  * what that settles on. */
 static branch_record run_from(const char *scene_name, const char *settings, int periods, const double *state,
@@ -399,17 +411,6 @@ static branch_record run_scene(const char *scene_name, const char *settings, con
  * a torus on the same step as two real multipliers with the product 1. */
 static void steps_do_not_matter(void **unused) {
     (void)unused;
-    static const char linked[] =
-        "model:\n"
-        "  parameters: {c: 0.174792, k: 0.865053, F: 0.53502, omega: 1.54552, m: 0.7}\n"
-        "  mass: {x: 1, y: m}\n"
-        "  motion:\n"
-        "    x: -c*x' - x - k*(x - y) + F*cos(omega*t)\n"
-        "    y: -c*y' - k*(y - x) - 0.4*y\n"
-        "  forcing: omega\n"
-        "stops:\n"
-        "  - {coordinate: x - y, d: 0.5, r: 0.7, sides: both}\n"
-        "  - {coordinate: y, d: 0.7, r: 0.6, sides: upper}\n";
     static const char whirling[] =
         "model:\n"
         "  parameters: {e: 0.6, omega: 1.14429}\n"
@@ -745,6 +746,26 @@ static void tori_between_the_grazings_of_a_run(void **unused) {
     branch_forget(&record);
 }
 
+/* On a step that ends at grazing, where rounding leaves only the greatest multiplier, a torus is found all
+ * the same. */
+static void a_torus_before_grazing(void **unused) {
+    (void)unused;
+    static const double state[] = {0.84566278261877137, 0.67734079573965056, 1.1289405736105789,
+                                   0.9562652530732203};
+    saltus_branch_options options = branch_along("m", 0.55431539, 1.5984565);
+    options.direction = 1;
+    options.switches = 1;
+    options.points = 12;
+    options.step = 0.005;
+    branch_record record = run_from(
+        linked, "c=0.0607469 k=0.660621 F=0.696518 omega=0.917548 m=0.6810480421033458", 1, state, &options);
+    int at = 0;
+    const saltus_branch_point *torus = branch_next_special(&record, 1, &at);
+    assert_int_equal(torus->kind, SALTUS_POINT_NS);
+    check_near(torus->value[0], 0.6812216611906, 1e-12);
+    branch_forget(&record);
+}
+
 /* Where the search for a fold leads to the other one of two branches that join, there is none. */
 static void no_fold_is_on_the_other_branch(void **unused) {
     (void)unused;
@@ -803,6 +824,7 @@ int main(void) {
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
         cmocka_unit_test(a_second_chatter_completes),
         cmocka_unit_test(tori_between_the_grazings_of_a_run),
+        cmocka_unit_test(a_torus_before_grazing),
         cmocka_unit_test(no_fold_is_on_the_other_branch),
         cmocka_unit_test(nothing_is_named_within_rounding),
     };

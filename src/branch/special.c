@@ -37,7 +37,7 @@ static bool grazes(const saltus_solution *end) {
  * that are not inside the unit circle. */
 typedef struct place {
     double ahead, value[SALTUS_TEST_PAIR + 1];
-    int outside;
+    int outside; /* -1: not known */
 } place;
 
 /* Whether a test's zero between two places is known. Rounding may put it on the other side of a place so
@@ -92,8 +92,10 @@ static int add_along(saltus_orbits *o, const saltus_solution *from, const saltus
 static place place_of(const saltus_solution *s, const saltus_solution *from, double ahead, unsigned hidden) {
     const double inside = -1e-5; /* logarithm of the modulus */
     place own = {.ahead = ahead};
-    for (int k = 0; k < s->survey.multiplier_count; k++)
-        own.outside += s->survey.multipliers[k].log_modulus > inside;
+    for (int k = 0; k < s->survey.multiplier_count && own.outside >= 0; k++) {
+        const double modulus = s->survey.multipliers[k].log_modulus;
+        own.outside = isnan(modulus) ? -1 : own.outside + (modulus > inside);
+    }
     for (int test = 0; test <= SALTUS_TEST_PAIR; test++)
         own.value[test] = hidden >> test & 1 ? NAN : saltus_test_value((saltus_test)test, 0, s, from);
     return own;
@@ -122,14 +124,18 @@ static int insert(saltus_orbits *o, const saltus_solution *from, double ahead, u
 }
 
 /* Where two multipliers cross the unit circle, places in between: two flips are two zeros of one test, and so
- * may be a torus and a place where two real multipliers have the product 1. */
+ * may be a torus and a place where two real multipliers have the product 1. At grazing all multipliers but
+ * one may be lost in rounding; then orbits just before tell. */
 static int part_crossings(saltus_orbits *o, const saltus_solution *from, saltus_solution *scratch,
                           place *places, int known) {
-    const double least = 0.05 * places[known - 1].ahead;
+    const double ahead = places[known - 1].ahead, least = 0.05 * ahead, just = 1e-3;
+    if (places[known - 1].outside < 0)
+        known = insert(o, from, (1 - just) * ahead, 0, scratch, places, known);
     for (int k = 1; k < known;) {
         const double width = places[k].ahead - places[k - 1].ahead;
         const int before = known;
-        if (abs(places[k].outside - places[k - 1].outside) > 1 && width > least)
+        const bool told = places[k - 1].outside >= 0 && places[k].outside >= 0;
+        if (told && abs(places[k].outside - places[k - 1].outside) > 1 && width > least)
             known = insert(o, from, places[k].ahead - 0.5 * width, 0, scratch, places, known);
         k += known == before;
     }
