@@ -67,23 +67,23 @@ static int sign_of(bounce *b) {
 }
 
 /* Find the cycle of a period: `half` (n) becomes its state half a period after the impact, in units of the
- * gap between equilibrium and stop; *side: 1 if that gap is open, -1 if negative, 0 without such a cycle. */
-static saltus_status find_cycle(bounce *b, double period, double *half, int *side) {
+ * gap between equilibrium and stop. Returns 1 if that gap is open, -1 if negative, 0 without such a cycle. */
+static int find_cycle(bounce *b, double period, double *half, bool *starved) {
     enum { looks = 256 };
     const double grazing = 1e-6;
     const int n = b->n;
     double *state = b->state, *moved = b->state + n, value;
-    *side = 0;
     exponential(b, period, b->flow);
     sign_of(b);
-    saltus_status status = saltus_dense_null_vectors(b->matrix, n, n, 1, state, &value);
+    const saltus_status status = saltus_dense_null_vectors(b->matrix, n, n, 1, state, &value);
+    *starved |= status == SALTUS_NO_MEMORY;
     if (status != SALTUS_OK)
-        return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
+        return 0;
     /* Choose the sign of y so that the gap closes before the impact. */
     multiply(n, n, 1, b->linear, state, moved);
     const double gap = saltus_dot(b->row, state, n), speed = saltus_dot(b->row, moved, n);
     if (fabs(gap) < grazing || fabs(speed) * period < grazing)
-        return SALTUS_OK;
+        return 0;
     const double unit = copysign(fabs(gap), speed);
     for (int i = 0; i < n; i++)
         state[i] /= unit;
@@ -95,12 +95,11 @@ static saltus_status find_cycle(bounce *b, double period, double *half, int *sid
         multiply(n, n, 1, b->flow, state, moved);
         memcpy(state, moved, (size_t)n * sizeof *state);
         if (saltus_dot(b->row, state, n) >= reach)
-            return SALTUS_OK;
+            return 0;
         if (2 * k == looks)
             memcpy(half, state, (size_t)n * sizeof *half);
     }
-    *side = reach > 0 ? 1 : -1;
-    return SALTUS_OK;
+    return reach > 0 ? 1 : -1;
 }
 
 /* The matrices, and the range of periods to try: a few turns of the slowest oscillation. */
@@ -181,19 +180,18 @@ void saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int face, con
     for (int k = 1; k * b.h < b.end && isfinite(slope) && slope != 0 && status == SALTUS_OK; k++) {
         const int sign = sign_of(&b);
         if (before * sign < 0) {
-            int side;
             double low = (k - 1) * b.h, period = k * b.h;
             for (double middle = 0.5 * (low + period); middle > low && middle < period;
                  middle = 0.5 * (low + period)) {
                 exponential(&b, middle, b.flow);
                 *(sign_of(&b) == before ? &low : &period) = middle;
             }
-            status = find_cycle(&b, period, half, &side);
+            const int side = find_cycle(&b, period, half, &r->starved);
             start.heading = side * slope > 0 ? -1 : 1;
             for (int i = 0; i < r->n; i++)
                 start.tangent[i] = along[i] + start.heading * fabs(slope) * half[i];
             start.sequence.omega = 2 * M_PI / period;
-            if (status == SALTUS_OK && side)
+            if (side)
                 saltus_starts_add(starts, &start, &r->starved);
             exponential(&b, k * b.h, b.flow);
         }

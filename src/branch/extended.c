@@ -30,6 +30,8 @@ saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message)
         x->along = saltus_arena_doubles(&x->arena, k * c * m);
         x->fresh = saltus_arena_doubles(&x->arena, k * c * m);
         x->anchor = saltus_arena_doubles(&x->arena, m);
+        x->points = saltus_arena_doubles(&x->arena, 8 * (m + (size_t)x->extra));
+        x->kept = saltus_arena_doubles(&x->arena, 3 * (m + (size_t)x->extra));
     } while (saltus_arena_again(&x->arena));
     if (!x->arena.base || !saltus_dense_lu_open(&x->lu, x->copies * (count + 1)) ||
         !saltus_dense_lu_open(&x->equations.lu, count + 2 + x->extra))
@@ -82,9 +84,8 @@ static saltus_status find_null(const saltus_extended *x, double *a, int size, do
     const double singular = 1e-6;
     int first;
     const int half = halves_of(x, &first), count = half ? 2 : 1;
-    double values[2] = {0, INFINITY}, *both = calloc((size_t)(count * size), sizeof *both);
-    saltus_status status =
-        both ? saltus_dense_null_vectors(a, size, size, count, both, values) : SALTUS_NO_MEMORY;
+    double values[2] = {0, INFINITY}, *both = x->fresh;
+    const saltus_status status = saltus_dense_null_vectors(a, size, size, count, both, values);
     if (status == SALTUS_OK)
         memcpy(out, both, (size_t)size * sizeof *out);
     *folds = status == SALTUS_OK && values[1] < singular;
@@ -98,16 +99,13 @@ static saltus_status find_null(const saltus_extended *x, double *a, int size, do
             folding[i] = cos(turn) * both[size + i] - sin(turn) * both[i];
         }
     }
-    free(both);
     return status;
 }
 
 saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_message *message) {
     int size = x->copies * x->orbits.equations->count;
     bool folds[2];
-    double *a = calloc((size_t)(size * size), sizeof *a);
-    if (!a)
-        return saltus_branch_no_memory(message);
+    double *a = x->matrix;
     x->folds = false;
     saltus_status status = SALTUS_OK;
     for (int side = 0; side < 2 && status == SALTUS_OK; side++) {
@@ -118,7 +116,6 @@ saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_me
         status = find_null(x, a, size, side ? x->b : x->c, x->folding[side], &folds[side]);
     }
     x->folds = status == SALTUS_OK && folds[0] && folds[1];
-    free(a);
     return status == SALTUS_OK
                ? status
                : saltus_fail(message, status,

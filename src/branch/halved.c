@@ -1,6 +1,13 @@
-/* Points of codimension two of orbits of half a period. The method stands in halved.h.
+/* Points of codimension two at which curves of folds or tori of orbits of twice a period end, located by the
+ * equations of the shorter orbits.
+ *
+ * GPD, LP-PD, PD-NS and R2 lie on the curve of flips of the shorter orbits, which is regular there. Each is
+ * the zero of a function along it: the flip's criticality, a multiplier minus 1, the squared modulus of a
+ * pair minus 1, the product of the null vectors. CP, where the folding orbits become their own mirror images,
+ * is the zero of the criticality along the curve of branch points of such orbits. R4 is where the curve of
+ * tori of the shorter orbits has the angle pi/2, which is an unknown there.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "branch/halved.h"
+#include "branch/join.h"
 
 #include "branch/sequence.h"
 
@@ -299,7 +306,9 @@ bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, 
     const int given = parts > 1 ? parts : 1;
     parts = given > 1 ? given : 2;
     for (int k = whole->periods; k > parts; k--)
-        parts = k % given == 0 && saltus_locus_distance(x, &at->orbit, k) < alike ? k : parts;
+        parts = k % given == 0 && saltus_solution_part_distance(&x->orbits, &at->orbit, k, NULL) < alike
+                    ? k
+                    : parts;
     const int mark =
         touch && parts > 1 && whole->periods % parts == 0
             ? lay_together(whole, parts, x->kind == SALTUS_POINT_GR ? x->mark : touch->mark, &once)
@@ -330,7 +339,7 @@ bool saltus_halved_resonates(saltus_extended *x, const saltus_locus_point *here,
     const double alike = 1e-4, near = 1e-2, straight = 0.9;
     const int c = x->orbits.equations->count;
     int parts = x->kind == SALTUS_POINT_GR ? here->orbit.sequence.periods : 0;
-    while (parts > 2 && !(saltus_locus_distance(x, &here->orbit, parts) < alike))
+    while (parts > 2 && !(saltus_solution_part_distance(&x->orbits, &here->orbit, parts, NULL) < alike))
         parts--;
     if (parts <= 2)
         return false;

@@ -2,10 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/join.h"
 
-#include "branch/halved.h"
-
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Whether an orbit that grazes, and again after each part of its period, also touches at another time. */
@@ -31,7 +28,7 @@ static double left_of(saltus_extended *x, measure by, int parts, const saltus_so
     const double slow = 1e-2;
     double speed = 0;
     if (by == BY_DISTANCE)
-        return saltus_locus_distance(x, s, parts);
+        return saltus_solution_part_distance(&x->orbits, s, parts, NULL);
     if (by != BY_SPEED)
         return by == BY_ROOT ? sqrt(fabs(saltus_corner_breach(x, s))) : saltus_corner_breach(x, s);
     for (int k = 0; k < s->breach_count; k++)
@@ -47,10 +44,9 @@ static bool extrapolate(saltus_extended *x, saltus_locus_point *here, double ahe
                         measure by, int parts, saltus_locus_point *at, double *spread) {
     const double sharpest = 1e-13, sharp = 1e-11;
     int m = here->at.unknowns;
-    double rest[samples_most], *u = calloc((size_t)(m * samples), sizeof *u);
+    double rest[samples_most], *u = x->points;
     saltus_locus_point before = {.corner_count = 0};
-    x->orbits.starved |= !u;
-    bool found = u;
+    bool found = true;
     /* A residual moves the place by its size divided by the remainder, and spoils the bend even more. */
     here->at.bent = false;
     for (int k = 0; k < samples && found; k++) {
@@ -80,7 +76,6 @@ static bool extrapolate(saltus_extended *x, saltus_locus_point *here, double ahe
         at->at.u[j + d] = saltus_curve_interpolate(rest, values, samples);
         *spread = hypot(*spread, at->at.u[j + d] - saltus_curve_interpolate(rest, values, samples - 1));
     }
-    free(u);
     saltus_locus_point_clear(&before);
     return found && saltus_locus_see_orbit(x, at);
 }
@@ -108,12 +103,8 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
         at->doubt = NAN;
     if (at->doubt <= trusted)
         return;
-    double spread, least = INFINITY, second = INFINITY, ahead = place, doubt = INFINITY,
-                   *u = calloc(3 * (size_t)m, sizeof *u);
-    x->orbits.starved |= !u;
-    if (!u)
-        return;
-    double *located = u + m, *other = u + 2 * m;
+    double spread, least = INFINITY, second = INFINITY, ahead = place, doubt = INFINITY;
+    double *u = x->kept, *located = u + m, *other = u + 2 * m;
     const size_t size = (size_t)m * sizeof *u;
     const bool bent = here->at.bent;
     memcpy(located, at->at.u, size);
@@ -143,7 +134,6 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     at->at.ahead = sharper ? ahead : place;
     at->doubt = sharper ? doubt : at->doubt;
     saltus_locus_see_orbit(x, at);
-    free(u);
 }
 
 /* What orbits on a curve of folds or tori may become without grazing: those of half the period (2), or such
@@ -154,8 +144,8 @@ static int may_join(saltus_extended *x, const saltus_solution *s) {
         return 0;
     const bool halves = s->sequence.periods % 2 == 0;
     if (x->kind == SALTUS_POINT_LP && x->orbits.system->mirror) {
-        const double image = saltus_locus_distance(x, s, 1);
-        if (image > are && !(halves && saltus_locus_distance(x, s, 2) < image))
+        const double image = saltus_solution_part_distance(&x->orbits, s, 1, NULL);
+        if (image > are && !(halves && saltus_solution_part_distance(&x->orbits, s, 2, NULL) < image))
             return 1;
     }
     return halves ? 2 : 0;
@@ -179,7 +169,7 @@ static bool crosses_at(void *context, double ahead, double *value) {
     if (isnan(c->exponent))
         c->exponent = c->at->at.crossing.exponent;
     *value = saltus_scaled_in(c->at->at.crossing, c->exponent);
-    return found && saltus_locus_distance(c->x, &c->at->orbit, c->parts) < alike;
+    return found && saltus_solution_part_distance(&c->x->orbits, &c->at->orbit, c->parts, NULL) < alike;
 }
 
 /* Locate the place `at`, known to `least`, where the curve of `here` joins that of shorter orbits by the
@@ -191,14 +181,10 @@ static void sharpen_join(saltus_extended *x, const saltus_locus_point *here, int
     const double tolerance = 1e-13, usual = x->equations.tolerance, far = 1e-5, clear = 1e-4;
     const int m = here->at.unknowns;
     const size_t size = (size_t)m * sizeof(double);
-    double singular, spread, ahead, *work = calloc((size_t)(10 * m), sizeof *work);
-    x->orbits.starved |= !work;
-    if (!work)
-        return;
-    double *best = work + 7 * m, *start = work + 8 * m;
+    double singular, spread, ahead, *work = x->points, *best = x->kept, *start = best + m;
     crossing c = {.x = x, .from = here->at, .at = at, .parts = parts, .exponent = NAN};
     c.from.u = memcpy(start, at->at.u, size);
-    c.from.tangent = work + 9 * m;
+    c.from.tangent = start + m;
     c.from.bent = false;
     memcpy(best, start, size);
     x->equations.tolerance = tolerance;
@@ -214,7 +200,6 @@ static void sharpen_join(saltus_extended *x, const saltus_locus_point *here, int
     at->doubt = least;
     memcpy(at->at.u, best, size);
     saltus_orbits_noted(&x->orbits, status);
-    free(work);
 }
 
 /* Locate the place of unknowns u, known to `least`, where the curve joins that of orbits of half the period
@@ -237,7 +222,7 @@ static saltus_point_kind kind_of_join(const saltus_extended *x, const saltus_sol
 saltus_point_kind saltus_locus_join_near(saltus_extended *x, saltus_locus_point *at) {
     const double small = 1e-3, near = 1e-6;
     int parts = x->kind == SALTUS_POINT_GR ? at->orbit.sequence.periods : 0;
-    while (parts > 1 && !(saltus_locus_distance(x, &at->orbit, parts) < small))
+    while (parts > 1 && !(saltus_solution_part_distance(&x->orbits, &at->orbit, parts, NULL) < small))
         parts--;
     return parts > 1 && saltus_halved_touch(x, SALTUS_POINT_GR_PD, parts, near, at)
                ? kind_of_join(x, &at->orbit, parts)
@@ -256,16 +241,15 @@ saltus_point_kind saltus_locus_join(saltus_extended *x, saltus_locus_point *here
         return saltus_locus_join_halves(x, here, at);
     if (!isfinite(saltus_locus_apart(x, &here->orbit, &parts)))
         return kind;
-    double *u = malloc(size);
-    x->orbits.starved |= !u;
+    double *u = x->kept;
     /* If several breaches fall to zero together, now one is the worst, now another: try the distance too.
      * That may be small of second order, where impacts undo each other's effects: try their speeds. */
-    for (int k = 0; k < 3 * spacings && least > trusted && u; k++) {
+    for (int k = 0; k < 3 * spacings && least > trusted; k++) {
         const measure by = k / spacings;
         if (!extrapolate(x, here, 0, apart[k % spacings], 6, by, parts, at, &spread) || !(spread < least) ||
             !(at->at.ahead > 0 && at->at.ahead < 2 * apart[k % spacings]) ||
             !(fabs(saltus_corner_breach(x, &at->orbit)) < sharp[by]) ||
-            !(saltus_locus_distance(x, &at->orbit, parts) < sharp[by]))
+            !(saltus_solution_part_distance(&x->orbits, &at->orbit, parts, NULL) < sharp[by]))
             continue;
         least = spread;
         ahead = at->at.ahead;
@@ -279,7 +263,6 @@ saltus_point_kind saltus_locus_join(saltus_extended *x, saltus_locus_point *here
     }
     if (kind)
         at->at.ahead = ahead;
-    free(u);
     return kind;
 }
 
@@ -292,9 +275,8 @@ static bool seek_end(saltus_extended *x, saltus_locus_point *here, measure by, i
     const int first = by == BY_DISTANCE, end = by == BY_DISTANCE ? 7 : 4;
     const double farthest = 8, sharp = 1e-5, clear = 1e-6;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
-    double spread, ahead = 0, before[2] = {NAN, NAN}, *u = calloc((size_t)m, sizeof *u);
-    x->orbits.starved |= !u;
-    for (int k = 2 * first; k < 2 * end && u; k++) {
+    double spread, ahead = 0, before[2] = {NAN, NAN}, *u = x->kept;
+    for (int k = 2 * first; k < 2 * end; k++) {
         const double own = apart[k / 2];
         if (!extrapolate(x, here, 0, own, k % 2 ? samples_most : samples_most - 2, by, parts, at, &spread))
             continue;
@@ -303,7 +285,8 @@ static bool seek_end(saltus_extended *x, saltus_locus_point *here, measure by, i
         const double breach = saltus_corner_breach(x, &at->orbit);
         memcpy(before, at->at.u + c, sizeof before);
         if (doubt < best && at->at.ahead > 0 && at->at.ahead < farthest * own &&
-            (by == BY_DISTANCE ? breach < -clear && saltus_locus_distance(x, &at->orbit, parts) < sharp
+            (by == BY_DISTANCE ? breach < -clear && saltus_solution_part_distance(&x->orbits, &at->orbit,
+                                                                                  parts, NULL) < sharp
                                : fabs(breach) < clear)) {
             best = doubt;
             ahead = at->at.ahead;
@@ -315,7 +298,6 @@ static bool seek_end(saltus_extended *x, saltus_locus_point *here, measure by, i
         memcpy(at->at.u, u, (size_t)m * sizeof *u);
         at->at.ahead = ahead;
     }
-    free(u);
     return ahead > 0 && saltus_locus_see_orbit(x, at);
 }
 
@@ -377,7 +359,7 @@ bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *her
 double saltus_locus_sharpness(saltus_extended *x, const saltus_locus_point *here, double usual) {
     const double sharp = 1e-12, near = 0.1, share = 1e-4;
     const int parts = may_join(x, &here->orbit);
-    if (parts && saltus_locus_distance(x, &here->orbit, parts) < near)
+    if (parts && saltus_solution_part_distance(&x->orbits, &here->orbit, parts, NULL) < near)
         return sharp;
     double slowest = INFINITY;
     for (int k = 0; k < here->orbit.breach_count && x->kind != SALTUS_POINT_GR; k++)

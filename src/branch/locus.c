@@ -5,9 +5,7 @@
 
 #include "branch/born.h"
 #include "branch/flat.h"
-#include "branch/halved.h"
 #include "branch/join.h"
-#include "branch/locus_corners.h"
 #include "branch/options.h"
 #include "branch/point.h"
 #include "branch/sequence.h"
@@ -312,7 +310,7 @@ static const double little = 4e-6;
 static bool has_left(saltus_locus *l, const saltus_locus_point *p, double leaving, bool stays, double ahead) {
     return saltus_corner_breach(&l->x, &p->orbit) < 0 && is_near(l, p) &&
            !(leaving > 0 && saltus_locus_apart(&l->x, &p->orbit, NULL) < leaving * ahead) &&
-           !(stays && saltus_locus_distance(&l->x, &p->orbit, 1) > 1e-3 * ahead);
+           !(stays && saltus_solution_part_distance(&l->x.orbits, &p->orbit, 1, NULL) > 1e-3 * ahead);
 }
 
 /* `next`, found so far ahead of `here`, was sought from afar: come back along the curve while that is
@@ -613,12 +611,11 @@ static void meet_rest(saltus_locus *l) {
     const size_t m = (size_t)l->here.at.unknowns;
     if (l->x.kind != SALTUS_POINT_LP || !(l->here.orbit.sequence.omega > 0) || !(before * after < 0))
         return;
-    double *work = calloc(8 * m, sizeof *work), *best = work ? work + 7 * m : NULL, least = sharp;
+    double *work = l->x.points, *best = l->x.kept, least = sharp;
     double apart = 0.02, middle = l->next.at.ahead * before / (before - after);
     const double usual = l->x.equations.tolerance;
-    l->x.orbits.starved |= !work;
     l->x.equations.tolerance = 1e-11;
-    for (int k = 0; k < passes && work; k++, apart *= 0.5) {
+    for (int k = 0; k < passes; k++, apart *= 0.5) {
         double place, spread;
         if (!saltus_curve_cross(onward_at, l, &l->here.at, &l->trial.at, middle, apart, true, work, &place,
                                 &spread) ||
@@ -636,7 +633,6 @@ static void meet_rest(saltus_locus *l) {
         if (saltus_locus_see_orbit(&l->x, &l->trial))
             give_join(l, SALTUS_POINT_GH);
     }
-    free(work);
 }
 
 /* A step onto a sound orbit, halved until there is one, and with the corners on it. *reached as

@@ -6,7 +6,7 @@
  * multipliers have moved so far that they may have crossed the unit circle and come back, and, repeatedly,
  * where the number of multipliers inside the circle does not agree with the known zeros.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "branch/locus_corners.h"
+#include "branch/locus_point.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -162,12 +162,9 @@ static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, i
     const int m = here->at.unknowns;
     const double exponent = here->corners[corner].value.exponent,
                  start = ahead > 5 * near_crossing ? ahead - 4 * near_crossing : 0;
-    double value[samples], from[2] = {start, start}, *u = calloc((size_t)(m * (samples + 1)), sizeof *u);
+    double value[samples], from[2] = {start, start}, *u = x->points, *own = x->kept;
     saltus_locus_point side[2] = {{.corner_count = 0}, {.corner_count = 0}};
-    if (!u)
-        x->orbits.starved = true;
-    double *const own = u ? u + m * samples : NULL;
-    bool found = false, good = u;
+    bool found = false, good = true;
     for (int k = 0; k < 2 && good; k++) {
         good = saltus_locus_visit(x, here, start, &side[k]);
         if (good && start > 0)
@@ -212,7 +209,6 @@ static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, i
     }
     saltus_locus_point_clear(&side[0]);
     saltus_locus_point_clear(&side[1]);
-    free(u);
     return found;
 }
 

@@ -60,14 +60,11 @@ saltus_status saltus_locus_take_up(saltus_extended *x, saltus_locus_point *here,
 saltus_status saltus_locus_find_first(saltus_extended *x, saltus_locus_point *here, int k,
                                       saltus_message *message) {
     const size_t m = (size_t)x->equations.unknowns;
-    double *normal = calloc(2 * m, sizeof *normal);
-    if (!normal)
-        return saltus_orbits_noted(&x->orbits, saltus_branch_no_memory(message));
+    double *normal = memset(x->kept, 0, m * sizeof *normal);
     normal[k] = 1;
     const double *anchor = memcpy(normal + m, here->at.u, m * sizeof *normal);
     saltus_status status =
         saltus_newton(&x->equations, here->at.u, normal, anchor, true, &here->at.iterations, message);
-    free(normal);
     if (status == SALTUS_OK) {
         saltus_extended_renew(x, here->at.u);
         status = saltus_equations_evaluate(&x->equations, here->at.u, message);
@@ -141,11 +138,9 @@ saltus_status saltus_locus_find_crossing(saltus_extended *x, saltus_locus_point 
                                          saltus_message *message) {
     const double singular = 1e-6;
     int m = x->equations.unknowns, n = x->orbits.n;
-    double values[2], share[2][2] = {{0}}, length = 0, *plane = calloc(2 * (size_t)m, sizeof *plane);
+    double values[2], share[2][2] = {{0}}, length = 0, *plane = x->kept;
     bool mirrored = !(saltus_solution_part_distance(&x->orbits, &here->orbit, 2, NULL) < 1e-6);
-    saltus_status status = plane ? SALTUS_OK : saltus_branch_no_memory(message);
-    if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(&x->equations, here->at.u, message);
+    saltus_status status = saltus_equations_evaluate(&x->equations, here->at.u, message);
     if (status == SALTUS_OK)
         status = saltus_null_plane(&x->equations, plane, values, message);
     for (int i = 0; i < n && status == SALTUS_OK; i++)
@@ -153,10 +148,8 @@ saltus_status saltus_locus_find_crossing(saltus_extended *x, saltus_locus_point 
             share[k / 2][k % 2] += half_apart(x, plane + (k / 2) * m, i, mirrored) *
                                    half_apart(x, plane + (k % 2) * m, i, mirrored);
     const double *most = share[share[1][1] > share[0][0]];
-    if (status == SALTUS_OK && !leaves && !(values[1] < singular)) {
-        free(plane);
+    if (status == SALTUS_OK && !leaves && !(values[1] < singular))
         return saltus_locus_find_again(x, here, here->orbit.at.u, 0, message);
-    }
     here->at.iterations = 0;
     here->at.bent = false;
     length = hypot(most[0], most[1]);
@@ -167,7 +160,6 @@ saltus_status saltus_locus_find_crossing(saltus_extended *x, saltus_locus_point 
         status =
             saltus_curve_leaving(&x->equations, here->at.u, plane, here->at.tangent, &values[1], message);
     }
-    free(plane);
     return status;
 }
 
@@ -236,10 +228,6 @@ double saltus_locus_doubt(saltus_curve_function *function, void *context, double
     return doubt;
 }
 
-double saltus_locus_distance(saltus_extended *x, const saltus_solution *s, int parts) {
-    return saltus_solution_part_distance(&x->orbits, s, parts, NULL);
-}
-
 double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, int *parts) {
     /* What forces may have that symmetry, and orbits that only graze, where stops or impacts have not. */
     const bool mirrors = !x->mirrored && (x->kind == SALTUS_POINT_GR || x->orbits.system->mirror);
@@ -247,7 +235,7 @@ double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, int *par
     double least = INFINITY;
     for (int k = 1, left = s->sequence.periods; k <= (left > 2 ? left : 2); k++) {
         const bool tried = k == 1 ? mirrors : k == 2 || (x->kind == SALTUS_POINT_GR && left % k == 0);
-        const double own = tried ? saltus_locus_distance(x, s, k) : INFINITY;
+        const double own = tried ? saltus_solution_part_distance(&x->orbits, s, k, NULL) : INFINITY;
         if (own < least || (k == 2 && own == least)) {
             least = own;
             nearest = k;
@@ -367,9 +355,8 @@ void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, do
     enum { samples = 6 };
     const double apart = 0.02;
     int m = here->at.unknowns;
-    double square[samples], *u = calloc((size_t)(m * samples), sizeof *u);
-    bool found = u;
-    x->orbits.starved |= !u;
+    double square[samples], *u = x->points;
+    bool found = true;
     for (int k = 0; k < samples && found; k++) {
         double aside = apart * (k + 1);
         square[k] = aside * aside;
@@ -385,7 +372,6 @@ void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, do
     for (int j = m - 3; j < m - 1 && found; j++)
         at->doubt =
             hypot(at->doubt, at->at.u[j] - saltus_curve_interpolate(square, u + j * samples, samples - 1));
-    free(u);
     if (found)
         saltus_locus_see_orbit(x, at);
 }

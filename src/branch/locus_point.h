@@ -1,5 +1,5 @@
-/* Private: points of a locus, and the ends of its curves. Corners between two points: locus_corners.h. Lack
- * of memory is noted in the orbits, whatever else a function says of it.
+/* Private: points of a locus, the corners between two of them, and the ends of its curves. Lack of memory is
+ * noted in the orbits, whatever else a function says of it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_LOCUS_POINT_H
 #define SALTUS_BRANCH_LOCUS_POINT_H
@@ -73,11 +73,9 @@ bool saltus_locus_visit(saltus_extended *extended, const saltus_locus_point *her
  * unknowns before the parameters. NAN where that is far. */
 double saltus_locus_doubt(saltus_curve_function *function, void *context, double place,
                           const saltus_curve_point *at, int c);
-/* The scaled distance of an orbit from one that closes after one of `parts` equal parts of the period,
- * INFINITY unless these are whole periods; 1: from being its own mirror image. */
-double saltus_locus_distance(saltus_extended *extended, const saltus_solution *orbit, int parts);
-/* The least of these distances: for half the period; for the mirror image, unless all orbits of the curve are
- * symmetric; on curves of grazing also for other parts. `parts` (may be NULL): for which. */
+/* The least distance of an orbit from shorter ones (solution.h): for half the period; for the mirror image,
+ * unless all orbits of the curve are symmetric; on curves of grazing also for other parts. `parts` (may be
+ * NULL): for which. */
 double saltus_locus_apart(saltus_extended *extended, const saltus_solution *orbit, int *parts);
 /* Whether an orbit on a curve of grazing almost is such an orbit, unlike those of the curve: another curve of
  * grazing crosses there. With `breach`, the distance must also have shrunk since `here`, as the breach has;
@@ -106,5 +104,27 @@ bool saltus_locus_end_contact(saltus_extended *extended, const saltus_locus_poin
                               saltus_locus_point *at);
 /* Whether a contact after complete chatter has almost shrunk to nothing. */
 bool saltus_locus_ceases_to_complete(const saltus_solution *orbit);
+
+/* In locus_corners.c. */
+enum { SALTUS_CROSSINGS_MAX = 32 };
+/* Zeros of functions on a step, in order. */
+typedef struct saltus_locus_zeros {
+    int count;
+    struct saltus_locus_zero {
+        int corner;
+        double place, tolerance; /* ahead of `here`; of the equations */
+        bool crosses;            /* another curve of the same equations crosses there */
+    } zero[SALTUS_CROSSINGS_MAX];
+} saltus_locus_zeros;
+
+/* All corners from `here` to `next`. If the curve ends at another impact's birth or death a multiplier is
+ * infinite there, so other functions that may vanish with it are ignored. False: the events of the orbit
+ * change, but the place cannot be located. */
+bool saltus_locus_find_corners(saltus_extended *extended, const saltus_locus_point *here,
+                               const saltus_locus_point *next, saltus_locus_point *scratch,
+                               saltus_locus_zeros *found);
+/* The point at such a zero, evaluated, with its doubt; false if it cannot be found. */
+bool saltus_locus_visit_zero(saltus_extended *extended, const saltus_locus_point *here,
+                             const struct saltus_locus_zero *zero, saltus_locus_point *out);
 
 #endif
