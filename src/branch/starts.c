@@ -3,7 +3,6 @@
 #include "branch/sequence.h"
 #include "branch/special.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
