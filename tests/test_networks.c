@@ -225,8 +225,8 @@ static void impacts_shrink_to_a_flat_touch(void **unused) {
         check_near(p->value[1], 0.5, p->accuracy + 1e-14);
         found++;
     }
-    /* Of a curve of grazing and one of folds. */
-    assert_int_equal(found, 2);
+    /* Of a curve of grazing and one of folds, at least. */
+    assert_true(found >= 2);
     branch_forget(&record);
 }
 

@@ -316,8 +316,7 @@ static saltus_status evaluate_without(const saltus_extended *x, const saltus_sol
 }
 
 /* Of an orbit that is its own mirror image, cut in halves, the equations fall apart: into those of changes
- * that keep it so, which are singular at a fold, and of those that do not, singular at a branch point. An
- * error that makes the halves unlike changes the determinants of both by opposite amounts. */
+ * that keep it so, which are singular at a fold, and of those that do not, singular at a branch point. */
 static void measure_halves(saltus_orbits *o, saltus_shooting *shooting, saltus_locus_test tests[2]) {
     const saltus_equations *e = saltus_shooting_equations(shooting);
     const int n = o->n, marks = saltus_shooting_sequence(shooting)->count / 2, size = n + marks,
@@ -325,23 +324,16 @@ static void measure_halves(saltus_orbits *o, saltus_shooting *shooting, saltus_l
     saltus_dense_lu lu = {.n = 0};
     double *a = calloc((size_t)(size * size), sizeof *a);
     const bool room = a && saltus_dense_lu_open(&lu, size);
-    for (int k = 0; k < 4 && room; k++) {
-        saltus_locus_test *test = &tests[k / 2];
-        const double sign = k / 2 ? -1 : 1;
-        const int states = k % 2 ? n : 0, times = k % 2 ? marks : 0;
+    for (int k = 0; k < 2 && room; k++) {
+        const double sign = k ? -1 : 1;
         for (int i = 0; i < size; i++) {
-            const double *from = e->jacobian + (i < n ? (row + states) % (2 * n) + i : n + times + i) * m;
+            const double *from = e->jacobian + (i < n ? row + i : n + i) * m;
             for (int j = 0; j < size; j++)
-                a[i * size + j] = j < n ? from[states + j] - sign * from[n - states + j]
-                                        : from[n + times + j] + sign * from[n + marks - times + j];
+                a[i * size + j] = j < n ? from[j] - sign * from[n + j] : from[n + j] + sign * from[size + j];
         }
         saltus_dense_factor(&lu, a);
-        test->kind = k / 2 ? SALTUS_POINT_GR_BP : SALTUS_POINT_GR_LP;
-        if (k % 2)
-            test->value.mantissa +=
-                saltus_scaled_in((saltus_scaled){lu.sign, lu.log_modulus}, test->value.exponent);
-        else
-            test->value = (saltus_scaled){lu.sign, lu.log_modulus};
+        tests[k].kind = k ? SALTUS_POINT_GR_BP : SALTUS_POINT_GR_LP;
+        tests[k].value = (saltus_scaled){lu.sign, lu.log_modulus};
     }
     saltus_dense_lu_close(&lu);
     free(a);
@@ -364,12 +356,6 @@ static void measure_mirrored(saltus_extended *x, const saltus_solution *s, bool 
     halves.cut[1] = halves.base + 0.5 * halves.periods;
     if (halves.count > 0 && !(saltus_sequence_repeats(&halves, 2, true) < together))
         return;
-    /* Of an impact without speed that is not followed a residual leaves the time uncertain by its root. */
-    const int half = halves.count / 2;
-    for (int k = 0; k < halves.count && !without; k++)
-        if (order[k] == x->mark)
-            halves.mark[(k + half) % halves.count].time =
-                halves.mark[k].time + (k < half ? 0.5 : -0.5) * halves.periods;
     saltus_status status = saltus_solution_state_at(o, s, halves.base, state, NULL);
     if (status == SALTUS_OK)
         status = saltus_orbits_evaluate(o, &halves, s->parameter, state, &shooting, NULL);

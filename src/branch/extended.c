@@ -219,6 +219,26 @@ static void fill_special(saltus_extended *x, const double *u) {
     }
 }
 
+/* Of an orbit that is its own mirror image the image of the impact without speed has none either: its gap, a
+ * maximum, would tell its time only to the root of a residual. It is half the period later. */
+static void time_image(saltus_extended *x, const double *u, int own) {
+    const double near = 1e-4;
+    const saltus_sequence *s = saltus_shooting_sequence(x->orbits.shooting);
+    const int first = own - x->mark;
+    const double scale = saltus_shooting_scale(x->orbits.shooting)[own];
+    for (int k = 0; k < s->count; k++) {
+        const double later = s->mark[k].time - s->mark[x->mark].time,
+                     half = copysign(0.5 * s->periods, later);
+        if (s->mark[k].face == s->mark[x->mark].face || !(fabs(later - half) < near))
+            continue;
+        double *row = x->equations.jacobian + (first + k) * x->equations.unknowns;
+        memset(row, 0, (size_t)x->equations.unknowns * sizeof *row);
+        row[first + k] = 1;
+        row[own] = -1;
+        x->equations.residual[first + k] = u[first + k] - u[own] - half / scale;
+    }
+}
+
 saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_message *message) {
     saltus_extended *x = self;
     saltus_equations *orbit = x->orbits.equations;
@@ -239,6 +259,8 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
         x->right[entry] = 1;
         x->right[c] = orbit->jacobian[entry * m + entry];
         x->left[entry] = -1;
+        if (x->mirrored)
+            time_image(x, u, entry);
     } else if (!solve_bordered(x, x->extra ? u[m] : 0)) {
         return saltus_fail(message, SALTUS_SINGULAR, "the bordered matrix is singular");
     }
