@@ -304,7 +304,7 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
              * appears. */
             if (k == 0 && (located || end > 1e-9))
                 sound = located && corner_at(&s, zero.place, &value) && fabs(value) < jump &&
-                        !saltus_locus_joins_at(x, here, &scratch->orbit, true);
+                        !saltus_locus_joins_at(x, here, scratch);
             if (!located || !sound || zero.place >= ends - together)
                 continue;
             if (k == 0)

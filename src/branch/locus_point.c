@@ -248,13 +248,10 @@ double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, int *par
     return least;
 }
 
-bool saltus_locus_joins_at(saltus_extended *x, const saltus_locus_point *here, const saltus_solution *at,
-                           bool breach) {
-    const double near = 1e-4;
-    if (x->kind != SALTUS_POINT_GR)
-        return false;
-    const double apart = saltus_locus_apart(x, at, NULL);
-    return apart < near && !(breach && apart > 0.5 * saltus_locus_apart(x, &here->orbit, NULL));
+bool saltus_locus_joins_at(saltus_extended *x, const saltus_locus_point *here, const saltus_locus_point *at) {
+    return x->kind == SALTUS_POINT_GR &&
+           saltus_orbits_join(&x->orbits, saltus_locus_apart(x, &here->orbit, NULL),
+                              saltus_locus_apart(x, &at->orbit, NULL), at->at.ahead);
 }
 
 bool saltus_locus_has_pair(saltus_extended *x, double theta) {

@@ -77,11 +77,10 @@ double saltus_locus_doubt(saltus_curve_function *function, void *context, double
  * unless all orbits of the curve are symmetric; on curves of grazing also for other parts. `parts` (may be
  * NULL): for which. */
 double saltus_locus_apart(saltus_extended *extended, const saltus_solution *orbit, int *parts);
-/* Whether an orbit on a curve of grazing almost is such an orbit, unlike those of the curve: another curve of
- * grazing crosses there. With `breach`, the distance must also have shrunk since `here`, as the breach has;
- * if not, another impact grazes. */
+/* Whether an orbit ahead of `here` on a curve of grazing is such an orbit, unlike those of the curve: another
+ * curve of grazing crosses there. */
 bool saltus_locus_joins_at(saltus_extended *extended, const saltus_locus_point *here,
-                           const saltus_solution *orbit, bool breach);
+                           const saltus_locus_point *at);
 /* Whether the point to which a step from `here` has led is on the same piece of the curve, and a valid orbit,
  * special in the way that is followed. Beyond another impact's birth or death it is not valid, but accepted,
  * since the curve leads to that place. */

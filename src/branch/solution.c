@@ -335,6 +335,10 @@ saltus_status saltus_orbits_evaluate(const saltus_orbits *o, const saltus_sequen
                                : status;
 }
 
+bool saltus_orbits_join(const saltus_orbits *o, double before, double apart, double ahead) {
+    return fabs(ahead) * apart < cbrt(o->equations->tolerance) * (before - apart);
+}
+
 double saltus_solution_part_distance(saltus_orbits *o, const saltus_solution *s, int parts, double *apart) {
     saltus_sequence cut = s->sequence;
     saltus_shooting *shooting = NULL;

@@ -114,8 +114,8 @@ saltus_status saltus_solution_survey(saltus_orbits *orbits, saltus_solution *sol
                                      saltus_message *message);
 /* The speeds towards the stop of the impacts among the marks; 0 for other marks. */
 void saltus_solution_speeds(const saltus_orbits *orbits, const saltus_solution *solution, double *speed);
-/* The state at `time`, from the solution's base to one orbit later, through the prescribed events. Errors:
- * those of the flow, SALTUS_NO_MEMORY. */
+/* The state at `time`, from one orbit before the solution's base to one after it, through the prescribed
+ * events. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_solution_state_at(saltus_orbits *orbits, const saltus_solution *solution, double time,
                                        double *state, saltus_message *message);
 /* Cut the orbit open elsewhere, into more segments, or with fewer marks (`trims`), if that is better
@@ -147,6 +147,11 @@ saltus_status saltus_orbits_evaluate(const saltus_orbits *orbits, const saltus_s
  * scaled difference goes to `apart` (n; may be NULL) if it is known. */
 double saltus_solution_part_distance(saltus_orbits *orbits, const saltus_solution *solution, int parts,
                                      double *apart);
+/* Whether a curve, or branch, joins at an orbit those of half the period or such that are their own mirror
+ * images: from the distances from these, as above, `before` at an orbit and `apart` at the one that is so far
+ * `ahead` of it. They fall evenly to nothing at the join, where the equations are singular: orbits as close
+ * as the cube root of their residual cannot be told from it. */
+bool saltus_orbits_join(const saltus_orbits *orbits, double before, double apart, double ahead);
 /* The breach of a grazing orbit that makes the change. A maximum of the gap at an impact of zero speed is
  * that impact's own touch; and where impacts die just as the orbit touches elsewhere, so that rounding
  * decides which breach is the worst, it is a death. */

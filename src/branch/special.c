@@ -488,12 +488,11 @@ static bool joins(saltus_orbits *o, const saltus_solution *from, const saltus_so
  * close as the cube root of their residual may be found on either branch. The distance of the halves falls
  * evenly to nothing there. */
 static bool is_beside_join(saltus_orbits *o, const saltus_solution *from, const saltus_solution *at) {
-    const double singular = cbrt(o->equations->tolerance);
     bool beside = false;
     for (int mirrored = 0; mirrored < (o->system->mirror ? 2 : 1); mirrored++) {
         const double before = saltus_solution_part_distance(o, from, mirrored ? 1 : 2, NULL),
                      apart = saltus_solution_part_distance(o, at, mirrored ? 1 : 2, NULL);
-        beside |= before > asymmetric && fabs(at->at.ahead) * apart < singular * (before - apart);
+        beside |= before > asymmetric && saltus_orbits_join(o, before, apart, at->at.ahead);
     }
     return beside;
 }

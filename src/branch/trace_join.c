@@ -24,7 +24,7 @@ void saltus_trace_drop_starts(saltus_trace *t) {
 }
 
 bool saltus_trace_joins_images(saltus_trace *t, const saltus_solution *at) {
-    const double little = 1e-6, near = 1e-4, alike = 1e-4, mirrored = 1e-7;
+    const double little = 1e-6, near = 1e-4, mirrored = 1e-7;
     const double half = 0.5 * at->sequence.periods;
     bool joins = false;
     for (int k = 0; k < at->breach_count; k++) {
@@ -40,8 +40,10 @@ bool saltus_trace_joins_images(saltus_trace *t, const saltus_solution *at) {
         }
         joins |= touch->kind == SALTUS_BREACH_GAP && fabs(touch->value) < little && dies && alone;
     }
-    return joins && saltus_solution_part_distance(&t->orbits, at, 1, NULL) < alike &&
-           saltus_solution_part_distance(&t->orbits, t->here, 1, NULL) > mirrored;
+    const double before = joins ? saltus_solution_part_distance(&t->orbits, t->here, 1, NULL) : 0;
+    return before > mirrored &&
+           saltus_orbits_join(&t->orbits, before, saltus_solution_part_distance(&t->orbits, at, 1, NULL),
+                              at->at.ahead);
 }
 
 const saltus_breach *saltus_trace_touch(const saltus_solution *at, bool joins) {

@@ -323,9 +323,9 @@ static void graze(saltus_trace *t, double accuracy) {
         .kind = SALTUS_POINT_GR, .ahead = at->at.ahead, .accuracy = accuracy, .change = true};
     bool doubled;
     const bool images = saltus_trace_joins_images(t, at);
-    const double apart = saltus_solution_part_distance(o, at, 2, NULL);
     const bool joins =
-        images || (apart < 1e-4 && apart < 0.05 * saltus_solution_part_distance(o, t->here, 2, NULL));
+        images || saltus_orbits_join(o, saltus_solution_part_distance(o, t->here, 2, NULL),
+                                     saltus_solution_part_distance(o, at, 2, NULL), at->at.ahead);
     what.grazing = saltus_trace_touch(at, joins);
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
     saltus_change_graze(o, t->here, at, &beyond, t->spare, t->trial, &change);
