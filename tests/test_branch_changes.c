@@ -685,6 +685,28 @@ static void where_hardly_anything_rebounds(void **unused) {
     }
 }
 
+/* Close to where a branch of orbits of twice the period begins, and another impact is about to be born, that
+ * branch is not left for the shorter orbits, on which other branches leave. */
+static void doubled_orbits_near_the_end_of_a_run(void **unused) {
+    (void)unused;
+    static const char text[] =
+        "model:\n"
+        "  parameters: {omega: 0.74408}\n"
+        "  motion: {x: -0.246586*x' - (1 + 0.146168*cos(omega*t))*sin(x) + 0.828745*cos(omega*t)}\n"
+        "  forcing: omega\n"
+        "stop: {coordinate: x, d: 0.90209, r: 0.675968, sides: both}\n";
+    saltus_branch_options options = branch_along("r", 0, 1);
+    options.switches = 1;
+    options.points = 250;
+    options.step = 0.0025;
+    options.step_max = 0.01;
+    branch_record record = run_from(text, "d=0.90209", 0, NULL, &options);
+    for (int k = 0; k < record.count; k++)
+        assert_true(record.point[k].kind != SALTUS_POINT_BP);
+    assert_non_null(strstr(last_of(&record)->reason, "rounding"));
+    branch_forget(&record);
+}
+
 /* Without losses multipliers are on the unit circle: where a range ends at r = 1 they come to it and do not
  * cross it. */
 static void no_torus_begins_where_nothing_is_lost(void **unused) {
@@ -821,6 +843,7 @@ int main(void) {
         cmocka_unit_test(a_branch_joined_twice_is_followed_once),
         cmocka_unit_test(halves_that_are_all_but_alike),
         cmocka_unit_test(where_hardly_anything_rebounds),
+        cmocka_unit_test(doubled_orbits_near_the_end_of_a_run),
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
         cmocka_unit_test(a_second_chatter_completes),
         cmocka_unit_test(tori_between_the_grazings_of_a_run),

@@ -86,12 +86,12 @@ static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *
 }
 
 /* Where a branch leaves another one its parameter may turn, too: a fold so close to there that it cannot be
- * told from it. */
+ * told from it. So may be the branch point itself. */
 static bool is_start(const saltus_trace *t, const saltus_special *special) {
-    const double close = 1e-4;
-    return special->kind == SALTUS_POINT_LP && t->trail->parent >= 0 &&
-           t->trail->arclength + special->ahead < close &&
-           fabs(special->value - t->first_value) <= special->accuracy;
+    const double close = 1e-4, same = 1e-7, along = t->trail->arclength + special->ahead;
+    return t->trail->parent >= 0 && ((special->kind == SALTUS_POINT_LP && along < close &&
+                                      fabs(special->value - t->first_value) <= special->accuracy) ||
+                                     (special->kind == SALTUS_POINT_BP && along < same && t->trail->fresh));
 }
 
 /* An end that another branch may share: give it out as the special point that it is, and then as the end. */
@@ -519,7 +519,13 @@ static bool look_back(saltus_trace *t, saltus_hopf_ahead *hopf) {
     const double least = 1e-5;
     saltus_orbits *o = &t->orbits;
     const bool shorter = t->next->at.ahead > least;
-    bool again = shorter && (saltus_special_strays(o, t->here, t->next) || (t->trail->fresh && jumps(t)));
+    const bool alike = t->trail->fresh && saltus_special_halves(o, t->next);
+    bool again =
+        shorter && (alike || saltus_special_strays(o, t->here, t->next) || (t->trail->fresh && jumps(t)));
+    if (!again && alike) {
+        saltus_trace_end(t, t->here, 0, "rounding hides how the halves of the orbit differ");
+        return false;
+    }
     if (!again) {
         const bool misses = saltus_cycle_seek_hopf(o, t->here, t->next, t->other, t->trial, hopf);
         if (misses && !shorter && !hopf->found)
