@@ -700,8 +700,7 @@ static bool pass_corner(saltus_locus *l, const struct saltus_locus_zero *zero) {
         found && corner.breach ? saltus_locus_join_near(&l->x, &l->trial) : SALTUS_POINT_REGULAR;
     if (joint)
         give_join(l, joint);
-    return found && !joint && !real && !simple &&
-           !saltus_locus_joins_at(&l->x, &l->here, &l->trial) &&
+    return found && !joint && !real && !simple && !saltus_locus_joins_at(&l->x, &l->here, &l->trial) &&
            give_corner(l, corner, zero->place);
 }
 

@@ -289,7 +289,8 @@ static void leap(saltus_trace *t, double ahead, saltus_leap kind, const char *wh
         saltus_trace_end(t, t->here, 0, why);
     else if (change.at_border)
         end_at_border(t, t->spare, t->trial->at.ahead);
-    else if (!(ends && end_by_border(t, t->trial)))
+    else if (!(ends && (kind == SALTUS_LEAP_EVENTS || t->trial->survey.impacts < 0) &&
+               end_by_border(t, t->trial)))
         go_over(t, what, t->trial->at.ahead + change.distance);
 }
 
@@ -457,6 +458,8 @@ static bool find_end(saltus_trace *t) {
             return false;
         if (!saltus_cycle_of_family(next))
             return end_at_saddle(t, next, next->at.ahead, false);
+        if (is_sensitive(next) && end_by_border(t, next))
+            return true;
         if (is_sensitive(next))
             snprintf(reason, sizeof reason,
                      "rounding hides the parameter, on which the orbit depends %.2g-fold",
