@@ -61,7 +61,8 @@ static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solut
         (found.test != SALTUS_TEST_VALUE && is_known(specials, count, found.test, ends[0], ends[1])) ||
         (found.test != SALTUS_TEST_VALUE &&
          ((ends[0] == 0 && fabs(near) < rounding * fabs(far) && grazes(from)) ||
-          (ends[1] == to->at.ahead && fabs(far) < rounding * fabs(near) && grazes(to)))))
+          (found.test != SALTUS_TEST_PAIR && ends[1] == to->at.ahead && fabs(far) < rounding * fabs(near) &&
+           grazes(to)))))
         return count;
     found.ahead = ends[1];
     if (far != 0) {
@@ -124,13 +125,10 @@ static int insert(saltus_orbits *o, const saltus_solution *from, double ahead, u
 }
 
 /* Where two multipliers cross the unit circle, places in between: two flips are two zeros of one test, and so
- * may be a torus and a place where two real multipliers have the product 1. At grazing all multipliers but
- * one may be lost in rounding; then orbits just before tell. */
+ * may be a torus and a place where two real multipliers have the product 1. */
 static int part_crossings(saltus_orbits *o, const saltus_solution *from, saltus_solution *scratch,
                           place *places, int known) {
-    const double ahead = places[known - 1].ahead, least = 0.05 * ahead, just = 1e-3;
-    if (places[known - 1].outside < 0)
-        known = insert(o, from, (1 - just) * ahead, 0, scratch, places, known);
+    const double least = 0.05 * places[known - 1].ahead;
     for (int k = 1; k < known;) {
         const double width = places[k].ahead - places[k - 1].ahead;
         const int before = known;
@@ -193,6 +191,10 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
     int count = 0, known = 2;
     if (fresh)
         known = insert(o, from, beyond, 0, scratch, places, known);
+    /* At grazing all multipliers but one may be lost in rounding: how many are outside an orbit before tells.
+     */
+    if (places[known - 1].outside < 0)
+        known = insert(o, from, (1 - just) * to->at.ahead, ~0u, scratch, places, known);
     const int kind_count = stays_on_circle(from, to) ? 3 : 4;
     for (int pass = 0; pass < 2; pass++) {
         known = part_crossings(o, from, scratch, places, known);
