@@ -168,9 +168,11 @@ static double slowest_impact(const saltus_extended *x) {
  * difference with; the last A' v is then good enough. */
 static saltus_status renew_along(saltus_extended *x, const double *u, saltus_message *message) {
     static const double place[] = {1, -1, 2, -2}, share[] = {8. / 12, -8. / 12, -1. / 12, 1. / 12};
-    const double apart = (x->sharp ? 10 : 1) * fmin(1e-4, 0.5 * slowest_impact(x));
+    /* At grazing no function is made of them. */
+    const bool sharp = x->sharp && x->kind != SALTUS_POINT_GR;
+    const double apart = (sharp ? 10 : 1) * fmin(1e-4, 0.5 * slowest_impact(x));
     saltus_equations *e = x->orbits.equations;
-    const int c = e->count, m = e->unknowns, places = x->sharp ? 4 : 2;
+    const int c = e->count, m = e->unknowns, places = sharp ? 4 : 2;
     const size_t size = (size_t)(x->copies * c * m);
     saltus_status status = SALTUS_OK;
     memset(x->fresh, 0, size * sizeof *x->fresh);
@@ -178,7 +180,7 @@ static saltus_status renew_along(saltus_extended *x, const double *u, saltus_mes
         const double *v = x->right + k / places * c;
         double *out = x->fresh + k / places * c * m;
         const double by = place[k % places], length = saltus_length(v, c),
-                     factor = (x->sharp ? share[k % places] : 0.5 * by) * length / apart;
+                     factor = (sharp ? share[k % places] : 0.5 * by) * length / apart;
         memcpy(x->aside, u, (size_t)m * sizeof *u);
         for (int j = 0; j < c; j++)
             x->aside[j] += by * apart * v[j] / length;
