@@ -279,7 +279,7 @@ static bool is_prescribed(const saltus_sequence *s) {
 /* Whether another impact has no speed either just where the one that is followed grazes: impacts without
  * effect, all at one touch of an orbit that has fewer. */
 static bool has_collapsed(const saltus_extended *x, const saltus_solution *s) {
-    const double still = 1e-8, near = 1e-5;
+    const double still = 1e-8, near = 1e-4;
     const saltus_mark *own = &s->sequence.mark[x->mark];
     for (int k = 0; k < s->breach_count && x->kind == SALTUS_POINT_GR; k++) {
         const saltus_breach *other = &s->breaches[k];
