@@ -438,7 +438,7 @@ static void impacts_die_at_once_where_vibrations_come_back(void **unused) {
 
 /* Along orbits of several periods of slow forcing perturbations grow a thousandfold and shrink again, so that
  * the differences which are second derivatives say nothing, and orbits of twice the period leave those of
- * half of it by little at the section. */
+ * half of it by little at the section; special orbits among these are none of those. */
 static void curves_begin_where_perturbations_grow(void **unused) {
     (void)unused;
     static const double state[] = {1.0002341599780877, 0.6583323007780392};
@@ -450,8 +450,8 @@ static void curves_begin_where_perturbations_grow(void **unused) {
         {0.9325, 1.416},
         {0.934, 1.419},
         1,
-        {0.1},
-        4};
+        {0.1, 0.05},
+        8};
     check_network(&network, 4, state);
 }
 
