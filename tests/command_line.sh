@@ -210,6 +210,8 @@ refuse 2 "name one" orbit fig7d --from branch.h5
 refuse 2 "NS1" orbit fig7d --from branch.h5:NS1
 refuse 2 "model" orbit impact-oscillator --from orbit.json
 refuse 2 "N = 5" orbit fig7d --from orbit.json --set N=4
+keep chain.json orbit chain --set N=3 --periods 1 --json
+accept '"N": 3' orbit chain --from chain.json --json
 refuse 2 "no orbit of period 7 T" continue fig7d --from orbit.json --periods 7 --in omega=35:56 -o branch.h5
 refuse 2 "another run" continue fig7d --in omega=35:56 -o branch.h5 --resume
 refuse 2 "another run" continue fig7d --set d=0.03 --in omega=41:42.5 -o branch.h5 --resume

@@ -107,8 +107,8 @@ saltus_status saltus_start_read(const char *source, const volatile sig_atomic_t 
                                 saltus_message *message);
 /* Release the model of a start made of equations. A zeroed start is accepted. */
 void saltus_start_release(saltus_start *start);
-/* Copy parameters and stops of a start into a scene of the same model, number of degrees of freedom and
- * number of stops. Errors: SALTUS_BAD_INPUT; the scene is then unchanged. */
+/* Copy parameters and stops of a start into a scene of the same model and number of stops. Errors:
+ * SALTUS_BAD_INPUT; the scene is then unchanged. */
 saltus_status saltus_start_apply(const saltus_start *start, const char *source, saltus_scene *scene,
                                  saltus_message *message);
 

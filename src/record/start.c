@@ -425,12 +425,6 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *name, sa
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is an orbit of the model %s, the scene's is %s", name,
                            saltus_model_name(start->spec.model), model);
-    int dimension = saltus_spec_dimension(&scene->spec, NULL);
-    if (dimension >= 0 && dimension != start->dimension)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%.200s: its orbit has N = %g and a state of %d entries, the scene N = %g and %d",
-                           name, saltus_spec_get(&start->spec, "N"), start->dimension,
-                           saltus_spec_get(&scene->spec, "N"), dimension);
     if (start->spec.stop_count != scene->spec.stop_count)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: its orbit has %d stop%s, the scene %d", name,
                            start->spec.stop_count, saltus_plural(start->spec.stop_count),
