@@ -222,10 +222,10 @@ refuse 2 "cut off" continue fig7d --from cut.h5:1 --in omega=35:56 -o branch.h5
 refuse 2 "cut off" plot cut.h5 -o x.png
 accept "PD     41.1105994075" continue fig7d --in omega=41:42.5 -o branch.h5 --resume
 
-# wait_for FILE: until the first points are in it.
+# wait_for FILE: until the first point is in it.
 wait_for() {
     tries=0
-    while [ ! -s "$1" ] && [ $tries -lt 1000 ]; do
+    while ! "$saltus" orbit impact-oscillator --from "$1:1" >/dev/null 2>&1 && [ $tries -lt 1000 ]; do
         sleep 0.02
         tries=$((tries + 1))
     done
