@@ -13,11 +13,11 @@
 static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const double *rest,
                                double *slowest, double *least) {
     enum { parts = 8 };
-    const double *scale = saltus_system_scale(o->system);
     saltus_event event = {.kind = SALTUS_STEP};
     double state[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX];
     *least = INFINITY;
     saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, NULL);
+    const double *scale = saltus_system_scale(o->system);
     if (status == SALTUS_OK)
         status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, s->state, NULL);
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
