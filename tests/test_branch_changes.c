@@ -411,6 +411,7 @@ static branch_record run_scene(const char *scene_name, const char *settings, con
  * a torus on the same step as two real multipliers with the product 1. */
 static void steps_do_not_matter(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char whirling[] =
         "model:\n"
         "  parameters: {e: 0.6, omega: 1.14429}\n"
@@ -473,6 +474,7 @@ static void steps_do_not_matter(void **unused) {
  * it is found on the way there, whatever the steps, and on the way from there. */
 static void a_flip_beside_a_join_is_found(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char settings[] = "F=0.7292 omega=1.08106 d=0.941356 c=0.325636 r=0.406333 sides=both";
     branch_record from = run_scene("duffing", settings, "F", 0.728, 0.76, 1);
     const saltus_branch_point *flip = NULL, *start = NULL;

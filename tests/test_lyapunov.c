@@ -764,6 +764,7 @@ static void unfinished_runs(void **unused) {
  * fall, and an unreachable precision costs all of them. */
 static void a_run_whose_error_does_not_fall_ends(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
     options.periods = 400000;
     saltus_lyapunov l = run_scene("pipe", "alpha=0 N=5", &options);
