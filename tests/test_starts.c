@@ -327,9 +327,9 @@ static void starts_are_applied_to_their_like(void **state) {
         assert_memory_equal(&scene.spec, &start.spec, sizeof scene.spec);
     }
     for (int change = 0; change < 3; change++) {
-        static const char *const words[] = {
-            "o: is an orbit of the model oscillator, the scene's is pipe",
-            "o: its orbit has 2 stops, the scene 1", "o: its orbit has 1 stop, the scene 2"};
+        static const char *const words[] = {"o: is an orbit of the model oscillator, the scene's is pipe",
+                                            "o: its orbit has 2 stops, the scene 1",
+                                            "o: its orbit has 1 stop, the scene 2"};
         saltus_scene scene = f->scene, before;
         saltus_start other = start;
         if (change == 0)

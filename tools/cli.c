@@ -471,10 +471,11 @@ int cli_build(const cli_request *request, cli_setup *setup) {
         status = cli_apply_settings(request, scene, &message);
     const int dimension = status == SALTUS_OK && from ? saltus_spec_dimension(&scene->spec, NULL) : -1;
     if (dimension >= 0 && dimension != setup->start.dimension)
-        status = saltus_fail(&message, SALTUS_BAD_INPUT,
-                             "%.200s: its orbit has N = %g and a state of %d entries, the scene N = %g and %d",
-                             from, saltus_spec_get(&setup->start.spec, "N"), setup->start.dimension,
-                             saltus_spec_get(&scene->spec, "N"), dimension);
+        status =
+            saltus_fail(&message, SALTUS_BAD_INPUT,
+                        "%.200s: its orbit has N = %g and a state of %d entries, the scene N = %g and %d",
+                        from, saltus_spec_get(&setup->start.spec, "N"), setup->start.dimension,
+                        saltus_spec_get(&scene->spec, "N"), dimension);
     if (status == SALTUS_OK && scene->initial_count && setup->start.dimension)
         status = saltus_fail(&message, SALTUS_BAD_INPUT,
                              "--set of an initial state is not possible with --from, which gives the state");
