@@ -143,14 +143,10 @@ static void keep_close(saltus_close *close, double re, double im) {
     }
 }
 
-static void make_still(saltus_shooting *shooting, int n, int mark) {
+void saltus_corner_still(const saltus_orbits *o, saltus_shooting *shooting, int mark) {
     saltus_equations *e = saltus_shooting_equations(shooting);
-    const int entry = n * saltus_shooting_sequence(shooting)->cuts + mark;
+    const int entry = o->n * saltus_shooting_sequence(shooting)->cuts + mark;
     e->jacobian[entry * e->unknowns + entry] = 0;
-}
-
-void saltus_corner_still(const saltus_orbits *o, int mark) {
-    make_still(o->shooting, o->n, mark);
 }
 
 saltus_scaled saltus_corner_closing(saltus_orbits *o, saltus_shooting *shooting, bool flips) {
@@ -363,7 +359,7 @@ static void measure_mirrored(saltus_extended *x, const saltus_solution *s, bool 
         for (int j = 0; j < halves.count; j++)
             if (s->breaches[k].kind == SALTUS_BREACH_SPEED && order[j] == s->breaches[k].mark &&
                 is_own(x, s, &s->breaches[k]))
-                make_still(shooting, o->n, j);
+                saltus_corner_still(o, shooting, j);
     if (saltus_orbits_noted(o, status) == SALTUS_OK)
         measure_halves(o, shooting, tests);
     saltus_shooting_free(shooting);
@@ -383,7 +379,7 @@ static void measure_grazing(saltus_extended *x, const saltus_solution *s, saltus
                 .kind = kinds[k], .value = {NAN, 0}, .without = without, .theta = k == of_pair ? NAN : 0};
     for (int k = 0; k < s->breach_count; k++)
         if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
-            saltus_corner_still(&x->orbits, s->breaches[k].mark);
+            saltus_corner_still(&x->orbits, x->orbits.shooting, s->breaches[k].mark);
     const saltus_status status = evaluate_without(x, s, &shooting, &ignored);
     if (saltus_orbits_noted(&x->orbits, status) == SALTUS_OK)
         measure_orbit(&x->orbits, shooting, tests[1]);

@@ -60,9 +60,10 @@ bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b
 saltus_point_kind saltus_corner_tell(saltus_extended *extended, const saltus_locus_test *corner,
                                      const saltus_solution *orbit);
 
-/* Take the speed of the impact of a mark, which grazes, as zero in the equations last evaluated: what they
- * have is a residual, which would count where other impacts after it lose its effects. */
-void saltus_corner_still(const saltus_orbits *orbits, int mark);
+/* Take the speed of the impact of a mark, which grazes, as zero in the equations that a shooting has last
+ * evaluated: what they have is a residual, which would count where other impacts after it lose its effects.
+ */
+void saltus_corner_still(const saltus_orbits *orbits, saltus_shooting *shooting, int mark);
 /* The determinant of the equations last evaluated by a shooting at fixed parameters: zero at a fold. `flips`:
  * for an orbit that closes on minus its beginning, zero at a flip. */
 saltus_scaled saltus_corner_closing(saltus_orbits *orbits, saltus_shooting *shooting, bool flips);

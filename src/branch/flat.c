@@ -3,7 +3,6 @@
 #include "branch/flat.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* The events of an orbit that are near together as one impact each; which one each of them belongs to goes to
@@ -15,7 +14,7 @@ static saltus_sequence gather(const saltus_sequence *whole, int part[SALTUS_MARK
     few.cuts = 1;
     few.count = 0;
     for (int k = 0; k < whole->count; k++) {
-        const saltus_mark *own = &whole->mark[k], *before = own - 1;
+        const saltus_mark *own = &whole->mark[k], *before = &whole->mark[k > 0 ? k - 1 : 0];
         if (k == 0 || own->face != before->face || own->time - before->time > near)
             few.mark[few.count++] =
                 (saltus_mark){.kind = SALTUS_IMPACT, .face = own->face, .time = own->time};
@@ -33,6 +32,7 @@ typedef struct flat {
     double *u, *a;          /* rows x (unknowns + 1): the Jacobian, and the residuals behind it */
     double *normal, *right;
     saltus_dense_lu lu;
+    saltus_arena arena;
 } flat;
 
 /* Evaluate at f->u. Derivatives by time, in units of the period over 2 pi, are differences of the gap's own
@@ -73,19 +73,19 @@ static saltus_status evaluate(flat *f, double apart) {
 }
 
 /* Gauss and Newton's method. */
-static saltus_status solve(flat *f, double apart, bool *found) {
+static bool solve(saltus_orbits *o, flat *f, double apart) {
     enum { iterations = 12 };
     const double still = 1e-12, zero = 1e-8;
     const int m = f->e->unknowns, width = m + 1;
     double moved = INFINITY;
-    saltus_status status = SALTUS_OK;
-    *found = false;
-    for (int k = 0; k < iterations && status == SALTUS_OK && moved > still; k++) {
-        status = evaluate(f, apart);
+    bool found = false;
+    for (int k = 0; k < iterations && moved > still; k++) {
+        if (saltus_orbits_noted(o, evaluate(f, apart)) != SALTUS_OK)
+            return false;
         memset(f->normal, 0, (size_t)(m * m) * sizeof *f->normal);
         memset(f->right, 0, (size_t)m * sizeof *f->right);
         double size = 0;
-        for (int r = 0; r < f->rows && status == SALTUS_OK; r++) {
+        for (int r = 0; r < f->rows; r++) {
             const double *row = f->a + r * width;
             size = fmax(size, fabs(row[m]));
             for (int i = 0; i < m; i++) {
@@ -94,16 +94,15 @@ static saltus_status solve(flat *f, double apart, bool *found) {
                     f->normal[i * m + j] += row[i] * row[j];
             }
         }
-        if (status == SALTUS_OK && !saltus_dense_factor(&f->lu, f->normal))
-            return SALTUS_OK;
-        if (status == SALTUS_OK)
-            saltus_dense_resolve(&f->lu, false, 1, f->right);
+        if (!saltus_dense_factor(&f->lu, f->normal))
+            return found;
+        saltus_dense_resolve(&f->lu, false, 1, f->right);
         moved = hypot(f->right[m - 2], f->right[m - 1]);
-        for (int i = 0; i < m && status == SALTUS_OK; i++)
+        for (int i = 0; i < m; i++)
             f->u[i] += f->right[i];
-        *found = status == SALTUS_OK && size < zero;
+        found = size < zero;
     }
-    return status;
+    return found;
 }
 
 /* f->u becomes the orbit's unknowns, found with two widths of the differences; *doubt: how far these are
@@ -116,7 +115,7 @@ static bool find_flat(saltus_orbits *o, flat *f, double *doubt) {
     for (int k = 2; k > 0 && found; k--) {
         other[0] = f->u[m - 2];
         other[1] = f->u[m - 1];
-        found = saltus_orbits_noted(o, solve(f, k * apart, &found)) == SALTUS_OK && found;
+        found = solve(o, f, k * apart);
     }
     *doubt = hypot(f->u[m - 2] - other[0], f->u[m - 1] - other[1]);
     return found;
@@ -141,6 +140,22 @@ static saltus_status take_over(saltus_extended *x, const flat *f, saltus_locus_p
     return status;
 }
 
+/* Make room for the equations of f->shooting. */
+static bool open_flat(saltus_orbits *o, flat *f) {
+    f->e = saltus_shooting_equations(f->shooting);
+    const size_t m = (size_t)f->e->unknowns;
+    f->rows = f->e->count + 3 * f->marks;
+    do {
+        f->u = saltus_arena_doubles(&f->arena, m);
+        f->a = saltus_arena_doubles(&f->arena, (size_t)f->rows * (m + 1));
+        f->normal = saltus_arena_doubles(&f->arena, m * m);
+        f->right = saltus_arena_doubles(&f->arena, m);
+    } while (saltus_arena_again(&f->arena));
+    const bool room = f->arena.base && saltus_dense_lu_open(&f->lu, (int)m);
+    o->starved |= !room;
+    return room;
+}
+
 bool saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltus_locus_point *at) {
     const double slow = 1e-3, near = 1e-4;
     const saltus_solution *s = &here->orbit;
@@ -151,25 +166,14 @@ bool saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltu
     const saltus_sequence few = gather(&s->sequence, part);
     if (few.count == 0 || few.contacts || few.omega > 0)
         return false;
-    saltus_arena arena = {0};
     flat f = {.marks = few.count, .first = x->orbits.n};
     double *start, doubt;
-    saltus_status status =
+    const saltus_status status =
         saltus_orbits_shoot(&x->orbits, &few, s->parameter, s->state, &f.shooting, &start, NULL);
-    f.e = status == SALTUS_OK ? saltus_shooting_equations(f.shooting) : NULL;
-    const size_t m = f.e ? (size_t)f.e->unknowns : 0;
-    f.rows = f.e ? f.e->count + 3 * f.marks : 0;
-    do {
-        f.u = saltus_arena_doubles(&arena, m);
-        f.a = saltus_arena_doubles(&arena, (size_t)f.rows * (m + 1));
-        f.normal = saltus_arena_doubles(&arena, m * m);
-        f.right = saltus_arena_doubles(&arena, m);
-    } while (saltus_arena_again(&arena));
-    if (!arena.base || !saltus_dense_lu_open(&f.lu, (int)m))
-        status = SALTUS_NO_MEMORY;
-    bool found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK;
+    bool found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK && open_flat(&x->orbits, &f);
     if (found) {
-        memcpy(f.u, start, m * sizeof *start);
+        const int m = f.e->unknowns;
+        memcpy(f.u, start, (size_t)m * sizeof *start);
         found = find_flat(&x->orbits, &f, &doubt) &&
                 hypot(f.u[m - 2] - s->parameter[0], f.u[m - 1] - s->parameter[1]) < near &&
                 saltus_orbits_noted(&x->orbits, take_over(x, &f, at)) == SALTUS_OK;
@@ -179,7 +183,7 @@ bool saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltu
         x->mark = x->kind == SALTUS_POINT_GR ? part[x->mark] : 0;
     }
     saltus_dense_lu_close(&f.lu);
-    saltus_arena_close(&arena);
+    saltus_arena_close(&f.arena);
     saltus_shooting_free(f.shooting);
     return found;
 }

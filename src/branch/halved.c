@@ -78,7 +78,7 @@ static bool test_at(void *context, double ahead, double *value) {
     else if (status == SALTUS_OK && (multipliers || grazes))
         status = saltus_equations_evaluate(o->equations, s->at.u, NULL);
     if (status == SALTUS_OK && grazes && !s->without)
-        saltus_corner_still(o, s->x.mark);
+        saltus_corner_still(o, o->shooting, s->x.mark);
     if (status == SALTUS_OK && grazes) {
         const saltus_scaled closing = saltus_corner_closing(o, without ? without : o->shooting, flips);
         s->exponent = isnan(s->exponent) ? closing.exponent : s->exponent;

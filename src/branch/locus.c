@@ -13,7 +13,6 @@
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Steps are limited in the plane of the parameters; the tangent's part in it counts as at least this. */
@@ -154,7 +153,8 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
         const double usual = l->x.equations.tolerance;
         const double sharp = saltus_locus_sharpness(&l->x, &l->here, usual);
         status = SALTUS_NO_CONVERGENCE;
-        for (double t = sharp; status == SALTUS_NO_CONVERGENCE && t < 1e3 * sharp; t *= 10) {
+        for (double t = sharp; status == SALTUS_NO_CONVERGENCE && t < fmin(1e3 * sharp, 10 * usual);
+             t *= 10) {
             l->x.equations.tolerance = fmin(t, usual);
             status = saltus_locus_find_near(&l->x, &l->here, start->theta, message);
         }

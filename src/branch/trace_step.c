@@ -458,12 +458,13 @@ static bool find_end(saltus_trace *t) {
             return false;
         if (!saltus_cycle_of_family(next))
             return end_at_saddle(t, next, next->at.ahead, false);
-        if (is_sensitive(next) && end_by_border(t, next))
-            return true;
-        if (is_sensitive(next))
+        if (is_sensitive(next)) {
+            if (end_by_border(t, next))
+                return true;
             snprintf(reason, sizeof reason,
                      "rounding hides the parameter, on which the orbit depends %.2g-fold",
                      1 / fabs(saltus_solution_heading(next)));
+        }
     }
     saltus_trace_end(t, next, next->at.ahead, reason);
     return true;
