@@ -595,7 +595,7 @@ static void grazing_joins_at_flips(void **unused) {
                              {16.3, 0.0364},
                              {16.5, 0.0366},
                              0,
-                             {0.04, 0.02, 0.01},
+                             {0.03, 0.02, 0.012},
                              1};
     check_network(&network, 4, state);
 }

@@ -42,7 +42,8 @@ typedef struct saltus_extended {
     double *along, *fresh; /* A' v, copies x count x unknowns, and room for a new one */
     bool differs;          /* `along` has been computed */
     double *anchor;        /* point from which the orbit must not move along c */
-    double *points, *kept; /* for searches along the curve: unknowns of 8 points, and of 3 that they keep */
+    /* For searches along the curve: unknowns of 8 points and a plane, and of 3 points that they keep. */
+    double *points, *kept;
 } saltus_extended;
 
 /* Allocate for the shooting's sequence. Errors: SALTUS_NO_MEMORY. */

@@ -37,14 +37,28 @@ static double left_of(saltus_extended *x, measure by, int parts, const saltus_so
     return speed;
 }
 
+/* How far the residual and rounding may have moved, in the plane, a point at which the equations were just
+ * evaluated: aside of the curve, as the least singular value across it tells. NAN if that fails. */
+static double moved_by_residual(saltus_extended *x, const saltus_curve_point *at) {
+    const double rounding = 1e-15;
+    const int m = at->unknowns, c = x->orbits.equations->count;
+    double values[2], aside[2], *plane = x->points + samples_most * m;
+    if (saltus_orbits_noted(&x->orbits, saltus_null_plane(&x->equations, plane, values, NULL)) != SALTUS_OK)
+        return NAN;
+    const double one = saltus_dot(plane, at->tangent, m), other = saltus_dot(plane + m, at->tangent, m);
+    for (int d = 0; d < 2; d++)
+        aside[d] = one * plane[m + c + d] - other * plane[c + d];
+    return fmax(at->residual, rounding) / values[1] * hypot(aside[0], aside[1]);
+}
+
 /* `at` becomes the place where what is left by a measure is nothing, extrapolated from places on the curve of
  * `here` so far apart before one `ahead` of it, where the equations are regular; *spread: how far off in the
- * plane it would be with one of them less. False if the equations fail. */
+ * plane it would be with one of them less, or by the residuals of all. False if the equations fail. */
 static bool extrapolate(saltus_extended *x, saltus_locus_point *here, double ahead, double apart, int samples,
                         measure by, int parts, saltus_locus_point *at, double *spread) {
     const double sharpest = 1e-13, sharp = 1e-11;
     int m = here->at.unknowns;
-    double rest[samples_most], *u = x->points;
+    double rest[samples_most], moved[samples_most], *u = x->points;
     saltus_locus_point before = {.corner_count = 0};
     bool found = true;
     /* A residual moves the place by its size divided by the remainder, and spoils the bend even more. */
@@ -57,8 +71,9 @@ static bool extrapolate(saltus_extended *x, saltus_locus_point *here, double ahe
         /* Rounding may be more than the first tolerance. */
         double tolerance = sharpest;
         found = saltus_locus_reach(x, follows ? &before.at : &here->at,
-                                   follows ? -apart : ahead - (k + 1) * apart, &tolerance, sharp, &at->at) &&
-                saltus_locus_see_orbit(x, at);
+                                   follows ? -apart : ahead - (k + 1) * apart, &tolerance, sharp, &at->at);
+        moved[k] = found ? moved_by_residual(x, &at->at) : NAN;
+        found = found && saltus_locus_see_orbit(x, at);
         rest[k] = found ? left_of(x, by, parts, &at->orbit) : NAN;
         for (int j = 0; j < m && found; j++)
             u[j * samples + k] = at->at.u[j];
@@ -75,6 +90,11 @@ static bool extrapolate(saltus_extended *x, saltus_locus_point *here, double ahe
         const double *values = u + (j + d) * samples;
         at->at.u[j + d] = saltus_curve_interpolate(rest, values, samples);
         *spread = hypot(*spread, at->at.u[j + d] - saltus_curve_interpolate(rest, values, samples - 1));
+    }
+    for (int k = 0; k < samples && found; k++) {
+        double own[samples_most] = {0};
+        own[k] = moved[k];
+        *spread += fabs(saltus_curve_interpolate(rest, own, samples));
     }
     saltus_locus_point_clear(&before);
     return found && saltus_locus_see_orbit(x, at);
