@@ -200,7 +200,8 @@ typedef struct program {
 typedef struct result {
     double state[scene_dimension_max];
     saltus_strike strike[4];
-    double gradient[4][scene_columns_max], shift[4][scene_dimension_max];
+    double gradient[4][scene_columns_max], speed_gradient[4][scene_columns_max],
+        shift[4][scene_dimension_max];
     double
         columns[scene_columns_max * scene_dimension_max]; /* the flow's, or in the first the carried shift */
 } result;
@@ -222,7 +223,9 @@ static void perform(const scene *s, const program *p, saltus_integrator integrat
     check_ok(saltus_flow_place(flow, 0, (saltus_time){0, s->phase}, s->state, 0, &message), &message);
     for (int k = 0; k < p->strikes; k++) {
         coast(flow, p->time[k], NULL);
-        r->strike[k] = (saltus_strike){.equation_gradient = r->gradient[k], .shift = r->shift[k]};
+        r->strike[k] = (saltus_strike){.equation_gradient = r->gradient[k],
+                                       .speed_gradient = r->speed_gradient[k],
+                                       .shift = r->shift[k]};
         check_ok(saltus_flow_strike(flow, 0, p->kind[k], p->face[k], &r->strike[k], &message), &message);
         if (k == carried) {
             memset(r->columns, 0, sizeof r->columns);
@@ -285,13 +288,17 @@ static bool place_release(const scene *s, program *p, int k) {
     return high > from;
 }
 
-/* Compare a column with differences of the final state and of the strikes' equations. */
+/* Compare a column with differences of the final state and of the strikes' equations and speeds. */
 static void compare_column(const result *above, const result *below, double h, const result *r,
                            const program *p, int n, int column, double unit) {
-    for (int k = 0; k < p->strikes; k++)
+    for (int k = 0; k < p->strikes; k++) {
         compare(r->gradient[k][column] * unit,
                 (above->strike[k].equation - below->strike[k].equation) / (2 * h) * unit, 5e-2,
                 "gradient of strike", k);
+        compare(r->speed_gradient[k][column] * unit,
+                (above->strike[k].speed - below->strike[k].speed) / (2 * h) * unit, 5e-2,
+                "gradient of the speed at strike", k);
+    }
     for (int i = 0; i < n; i++)
         compare(r->columns[column * n + i] * unit, (above->state[i] - below->state[i]) / (2 * h) * unit, 5e-2,
                 "column of entry", i);
@@ -325,6 +332,8 @@ static void check_program(const scene *s, const program *p, saltus_integrator in
             compare(r.strike[k].equation_rate * period,
                     (above.strike[k].equation - below.strike[k].equation) / (2 * h), 5e-2, "rate of strike",
                     k);
+        compare(r.strike[k].speed_rate * period, (above.strike[k].speed - below.strike[k].speed) / (2 * h),
+                5e-2, "rate of the speed at strike", k);
         for (int i = 0; i < n; i++)
             compare(r.columns[i] * period, (above.state[i] - below.state[i]) / (2 * h), 5e-2,
                     "carried shift of entry", i);

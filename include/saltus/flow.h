@@ -204,6 +204,8 @@ typedef struct saltus_strike {
     double equation_rate;      /* its time derivative: n.q' or d(n.f)/dt */
     double *equation_gradient; /* by each tangent vector (length columns; owned by the caller) */
     double speed;              /* n.q' before */
+    double speed_rate;         /* its time derivative: n.q'' before */
+    double *speed_gradient;    /* by each tangent vector, as equation_gradient */
     double *shift; /* d(state after, at a fixed later time) / d(event time): DP f- - f+ (length dimension;
                       owned by the caller) */
 } saltus_strike;

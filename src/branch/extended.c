@@ -168,11 +168,9 @@ static double slowest_impact(const saltus_extended *x) {
  * difference with; the last A' v is then good enough. */
 static saltus_status renew_along(saltus_extended *x, const double *u, saltus_message *message) {
     static const double place[] = {1, -1, 2, -2}, share[] = {8. / 12, -8. / 12, -1. / 12, 1. / 12};
-    /* At grazing no function is made of them. */
-    const bool sharp = x->sharp && x->kind != SALTUS_POINT_GR;
-    const double apart = (sharp ? 10 : 1) * fmin(1e-4, 0.5 * slowest_impact(x));
+    const double apart = (x->sharp ? 10 : 1) * fmin(1e-4, 0.5 * slowest_impact(x));
     saltus_equations *e = x->orbits.equations;
-    const int c = e->count, m = e->unknowns, places = sharp ? 4 : 2;
+    const int c = e->count, m = e->unknowns, places = x->sharp ? 4 : 2;
     const size_t size = (size_t)(x->copies * c * m);
     saltus_status status = SALTUS_OK;
     memset(x->fresh, 0, size * sizeof *x->fresh);
@@ -180,7 +178,7 @@ static saltus_status renew_along(saltus_extended *x, const double *u, saltus_mes
         const double *v = x->right + k / places * c;
         double *out = x->fresh + k / places * c * m;
         const double by = place[k % places], length = saltus_length(v, c),
-                     factor = (sharp ? share[k % places] : 0.5 * by) * length / apart;
+                     factor = (x->sharp ? share[k % places] : 0.5 * by) * length / apart;
         memcpy(x->aside, u, (size_t)m * sizeof *u);
         for (int j = 0; j < c; j++)
             x->aside[j] += by * apart * v[j] / length;
@@ -256,16 +254,15 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
     if (x->kind == SALTUS_POINT_GR) {
         /* g is the entry of the Jacobian that is the impact's speed. */
         const int entry = x->orbits.n * saltus_shooting_sequence(x->orbits.shooting)->cuts + x->mark;
-        memset(x->right, 0, (size_t)(c + 1) * sizeof(double));
-        memset(x->left, 0, (size_t)(c + 1) * sizeof(double));
-        x->right[entry] = 1;
-        x->right[c] = orbit->jacobian[entry * m + entry];
-        x->left[entry] = -1;
+        x->equations.residual[c] = orbit->jacobian[entry * m + entry];
+        memcpy(x->equations.jacobian + c * own, saltus_shooting_speed_row(x->orbits.shooting, x->mark),
+               (size_t)m * sizeof(double));
         if (x->mirrored)
             time_image(x, u, entry);
-    } else if (!solve_bordered(x, x->extra ? u[m] : 0)) {
-        return saltus_fail(message, SALTUS_SINGULAR, "the bordered matrix is singular");
+        return SALTUS_OK;
     }
+    if (!solve_bordered(x, x->extra ? u[m] : 0))
+        return saltus_fail(message, SALTUS_SINGULAR, "the bordered matrix is singular");
     status = renew_along(x, u, message);
     if (status != SALTUS_OK)
         return status;

@@ -55,14 +55,14 @@ void saltus_response_end_piece(saltus_response *r, saltus_flow *flow) {
     r->next = swap;
 }
 
-void saltus_response_mark(const saltus_response *r, const saltus_strike *strike, double scale, int own,
-                          double period, double *row) {
+void saltus_response_mark(const saltus_response *r, const double *gradient, double rate, double scale,
+                          int own, double *row) {
     memset(row, 0, (size_t)r->unknowns * sizeof *row);
     for (int i = 0; i < r->n; i++)
         for (int j = 0; j < r->plain; j++)
-            row[j] = fma(strike->equation_gradient[i] / scale, r->answer[i * r->unknowns + j], row[j]);
+            row[j] = fma(gradient[i] / scale, r->answer[i * r->unknowns + j], row[j]);
     for (int d = 0; d < r->directions; d++)
         if (r->place[d] >= 0)
-            row[r->place[d]] = strike->equation_gradient[r->n + d] / scale;
-    row[own] += strike->equation_rate * period / scale;
+            row[r->place[d]] = gradient[r->n + d] / scale;
+    row[own] += rate / scale;
 }

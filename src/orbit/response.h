@@ -25,9 +25,10 @@ void saltus_response_reserve(saltus_response *response, saltus_arena *arena);
 void saltus_response_start(saltus_response *response, saltus_flow *flow, int first);
 void saltus_response_begin_piece(saltus_response *response, saltus_flow *flow);
 void saltus_response_end_piece(saltus_response *response, saltus_flow *flow);
-/* The Jacobian's row of a mark's equation, in units of `scale`, from the matrix before the piece that led to
- * it. Unknown `own` is the mark's time, in periods. */
-void saltus_response_mark(const saltus_response *response, const saltus_strike *strike, double scale, int own,
-                          double period, double *row);
+/* The derivatives of a quantity at a mark by the unknowns, in units of `scale`, from its gradient along the
+ * tangent vectors, its rate per period, and the matrix before the piece that led to the mark. Unknown `own`
+ * is the mark's time, in periods. */
+void saltus_response_mark(const saltus_response *response, const double *gradient, double rate, double scale,
+                          int own, double *row);
 
 #endif

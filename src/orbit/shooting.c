@@ -118,6 +118,7 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
         saltus_equations_reserve(&p->equations, p->response.unknowns, &p->arena);
         p->scale = saltus_arena_doubles(&p->arena, (size_t)p->count);
         p->plain = saltus_arena_doubles(&p->arena, (size_t)p->response.unknowns);
+        p->speeds = saltus_arena_doubles(&p->arena, (size_t)marks * (size_t)p->response.unknowns);
         saltus_response_reserve(&p->response, &p->arena);
         p->collection.since = saltus_arena_doubles(&p->arena, square);
         p->collection.work = saltus_arena_doubles(&p->arena, square);
@@ -197,6 +198,10 @@ bool saltus_shooting_collected(const saltus_shooting *p, const double *u) {
     for (int j = 0; j < p->equations.unknowns && same; j++)
         same = fabs(u[j] - p->equations.place[j]) < near;
     return same;
+}
+
+const double *saltus_shooting_speed_row(const saltus_shooting *p, int mark) {
+    return p->speeds + (size_t)mark * (size_t)p->equations.unknowns;
 }
 
 double saltus_shooting_growth(const saltus_shooting *p) {

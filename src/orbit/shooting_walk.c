@@ -150,8 +150,9 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
     const saltus_mark *mark = &p->sequence.mark[k];
     const double scale = mark->kind == SALTUS_RELEASE ? p->force : p->length;
     const int own = p->sequence.cuts * p->n + k, m = p->equations.unknowns;
-    double gradient[SALTUS_STATE_MAX + SALTUS_DIRECTIONS_MAX], shift[SALTUS_STATE_MAX];
-    saltus_strike strike = {.equation_gradient = gradient, .shift = shift};
+    double gradient[SALTUS_STATE_MAX + SALTUS_DIRECTIONS_MAX], shift[SALTUS_STATE_MAX],
+        speed_gradient[SALTUS_STATE_MAX + SALTUS_DIRECTIONS_MAX];
+    saltus_strike strike = {.equation_gradient = gradient, .speed_gradient = speed_gradient, .shift = shift};
     saltus_status status = run_piece(w, w->u[own], k, message);
     if (status == SALTUS_OK)
         status = saltus_flow_strike(w->flow, 0, mark->kind, mark->face, &strike, message);
@@ -169,8 +170,10 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
     w->driven = mark->driven;
     if (!w->whole)
         return status;
-    saltus_response_mark(&p->response, &strike, scale, own, w->period,
+    saltus_response_mark(&p->response, gradient, strike.equation_rate * w->period, scale, own,
                          p->equations.jacobian + (size_t)own * (size_t)m);
+    saltus_response_mark(&p->response, speed_gradient, strike.speed_rate * w->period, scale / w->period, own,
+                         p->speeds + (size_t)k * (size_t)m);
     saltus_response_end_piece(&p->response, w->flow);
     if (w->collects) {
         /* The mark's time depends on the state: the flow's tangent vectors passed it at a fixed time. */
@@ -341,6 +344,8 @@ saltus_status saltus_shooting_around(void *self, const double *u, saltus_message
                                                     : p->family.unit[j - p->count];
         for (int i = 0; i < p->count; i++)
             p->equations.jacobian[(size_t)i * (size_t)m + (size_t)j] *= factor;
+        for (int k = 0; k < s->count; k++)
+            p->speeds[(size_t)k * (size_t)m + (size_t)j] *= factor;
     }
     return status;
 }
