@@ -673,7 +673,7 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
 /* Give out the corner at a zero on the step, if it is one; returns what give_corner() does. */
 static bool pass_corner(saltus_locus *l, const struct saltus_locus_zero *zero) {
     const int own = zero->corner;
-    const double just_before = 1e-7, alike = 1e-6;
+    const double just_before = 1e-7;
     saltus_solution before = {.value = 0};
     l->x.sharp = true;
     /* At a touch it is chance whether the flow meets the impact: use the survey of an orbit just before. */
@@ -698,7 +698,7 @@ static bool pass_corner(saltus_locus *l, const struct saltus_locus_zero *zero) {
                         !saltus_locus_has_pair(&l->x, corner.kind == SALTUS_POINT_R1 ? 0 : M_PI);
     /* So are those of orbits all but equal to shorter ones if they show no slope at their zero. */
     const bool noise = found && l->x.kind == SALTUS_POINT_GR && !corner.breach && isnan(l->trial.doubt) &&
-                       saltus_locus_apart(&l->x, &l->trial.orbit, NULL) < alike;
+                       saltus_locus_apart(&l->x, &l->trial.orbit, NULL) < saltus_alike;
     const saltus_point_kind joint =
         found && corner.breach ? saltus_locus_join_near(&l->x, &l->trial) : SALTUS_POINT_REGULAR;
     if (joint)
