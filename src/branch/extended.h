@@ -10,8 +10,8 @@
  * columns; for flips that of an orbit which closes on minus its beginning; for Neimark-Sacker points the
  * closing is turned by e^{i theta}, and theta is one more unknown. A' v is a difference of Jacobians along v:
  * its error affects the speed of convergence, not the result. On curves of branch points the equations are
- * singular; one more unknown, zero on the curve, multiplies b, and the orbit must not move along c. At grazing
- * g is the impact's speed, an entry of the Jacobian: the derivative of the gap by the time.
+ * singular; one more unknown, zero on the curve, multiplies b, and the orbit must not move along c. At
+ * grazing g is the impact's speed, an entry of the Jacobian: the derivative of the gap by the time.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_EXTENDED_H
 #define SALTUS_BRANCH_EXTENDED_H
