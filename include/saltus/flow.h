@@ -205,7 +205,7 @@ typedef struct saltus_strike {
     double *equation_gradient; /* by each tangent vector (length columns; owned by the caller) */
     double speed;              /* n.q' before */
     double speed_rate;         /* its time derivative: n.q'' before */
-    double *speed_gradient;    /* by each tangent vector, as equation_gradient */
+    double *speed_gradient;    /* by each tangent vector, as equation_gradient; NULL: not wanted */
     double *shift; /* d(state after, at a fixed later time) / d(event time): DP f- - f+ (length dimension;
                       owned by the caller) */
 } saltus_strike;

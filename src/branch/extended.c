@@ -243,6 +243,8 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
     saltus_extended *x = self;
     saltus_equations *orbit = x->orbits.equations;
     const int c = orbit->count, m = orbit->unknowns, own = x->equations.unknowns;
+    const double *speed =
+        x->kind == SALTUS_POINT_GR ? saltus_shooting_speed_row(x->orbits.shooting, x->mark) : NULL;
     saltus_status status = saltus_equations_evaluate(orbit, u, message);
     if (status != SALTUS_OK)
         return status;
@@ -251,12 +253,11 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
         x->equations.residual[i] = orbit->residual[i];
         memcpy(x->equations.jacobian + i * own, orbit->jacobian + i * m, (size_t)m * sizeof(double));
     }
-    if (x->kind == SALTUS_POINT_GR) {
+    if (speed) {
         /* g is the entry of the Jacobian that is the impact's speed. */
         const int entry = x->orbits.n * saltus_shooting_sequence(x->orbits.shooting)->cuts + x->mark;
         x->equations.residual[c] = orbit->jacobian[entry * m + entry];
-        memcpy(x->equations.jacobian + c * own, saltus_shooting_speed_row(x->orbits.shooting, x->mark),
-               (size_t)m * sizeof(double));
+        memcpy(x->equations.jacobian + c * own, speed, (size_t)m * sizeof(double));
         if (x->mirrored)
             time_image(x, u, entry);
         return SALTUS_OK;

@@ -120,7 +120,7 @@ saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind 
     saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->before);
     strike->speed = saltus_face_normal(self->system, face, flow->state + flow->dof);
     strike->speed_rate = saltus_face_normal(self->system, face, flow->before + flow->dof);
-    for (int c = 0; c < flow->options.columns; c++)
+    for (int c = 0; strike->speed_gradient && c < flow->options.columns; c++)
         strike->speed_gradient[c] = saltus_column_normal(flow, lane, face, c, flow->state + flow->dof,
                                                          flow->tangents + c * flow->dimension + flow->dof);
     bool sound = true;

@@ -96,6 +96,7 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
     close_shape(p);
     p->equations.size = INFINITY;
     p->collection.whole = false;
+    p->speed_mark = -1;
     p->steps = 0;
     saltus_flow_limit_steps(p->full.flow, 0);
     saltus_flow_limit_steps(p->bare.flow, 0);
@@ -118,7 +119,7 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
         saltus_equations_reserve(&p->equations, p->response.unknowns, &p->arena);
         p->scale = saltus_arena_doubles(&p->arena, (size_t)p->count);
         p->plain = saltus_arena_doubles(&p->arena, (size_t)p->response.unknowns);
-        p->speeds = saltus_arena_doubles(&p->arena, (size_t)marks * (size_t)p->response.unknowns);
+        p->speed_row = saltus_arena_doubles(&p->arena, (size_t)p->response.unknowns);
         saltus_response_reserve(&p->response, &p->arena);
         p->collection.since = saltus_arena_doubles(&p->arena, square);
         p->collection.work = saltus_arena_doubles(&p->arena, square);
@@ -200,8 +201,9 @@ bool saltus_shooting_collected(const saltus_shooting *p, const double *u) {
     return same;
 }
 
-const double *saltus_shooting_speed_row(const saltus_shooting *p, int mark) {
-    return p->speeds + (size_t)mark * (size_t)p->equations.unknowns;
+const double *saltus_shooting_speed_row(saltus_shooting *p, int mark) {
+    p->speed_mark = mark;
+    return p->speed_row;
 }
 
 double saltus_shooting_growth(const saltus_shooting *p) {

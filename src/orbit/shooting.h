@@ -111,9 +111,10 @@ void saltus_shooting_extract(const saltus_shooting *shooting, const double *u, s
 /* The unscaled states at the cuts (cuts x dimension), owned by the shooting. */
 const double *saltus_shooting_states(saltus_shooting *shooting, const double *u);
 
-/* The derivatives, in the last evaluation, of the entry of the Jacobian that is an impact's speed, the
- * derivative of its gap by its time, but for what a change of the period does to a speed that is not zero. */
-const double *saltus_shooting_speed_row(const saltus_shooting *shooting, int mark);
+/* Where the evaluations from now on put the derivatives of the entry of the Jacobian that is this impact's
+ * speed, the derivative of its gap by its time, but for what a change of the period does to a speed that is
+ * not zero. For one mark at a time, and until the sequence changes. */
+const double *saltus_shooting_speed_row(saltus_shooting *shooting, int mark);
 
 /* Largest growth of a scaled perturbation over a segment, in the last evaluation. */
 double saltus_shooting_growth(const saltus_shooting *shooting);

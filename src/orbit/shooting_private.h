@@ -40,9 +40,10 @@ struct saltus_shooting {
     int count; /* number of equations, and of unknowns without parameters */
     saltus_equations equations;
     saltus_arena arena;
-    double *scale;  /* [count] */
-    double *plain;  /* unscaled unknowns */
-    double *speeds; /* [marks][unknowns]: see saltus_shooting_speed_row */
+    double *scale;     /* [count] */
+    double *plain;     /* unscaled unknowns */
+    int speed_mark;    /* whose speed_row is wanted; -1: none */
+    double *speed_row; /* see saltus_shooting_speed_row */
     /* For the walks around the orbit. */
     saltus_response response;
     saltus_collection collection;

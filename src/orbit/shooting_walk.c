@@ -152,7 +152,9 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
     const int own = p->sequence.cuts * p->n + k, m = p->equations.unknowns;
     double gradient[SALTUS_STATE_MAX + SALTUS_DIRECTIONS_MAX], shift[SALTUS_STATE_MAX],
         speed_gradient[SALTUS_STATE_MAX + SALTUS_DIRECTIONS_MAX];
-    saltus_strike strike = {.equation_gradient = gradient, .speed_gradient = speed_gradient, .shift = shift};
+    saltus_strike strike = {.equation_gradient = gradient,
+                            .speed_gradient = k == p->speed_mark ? speed_gradient : NULL,
+                            .shift = shift};
     saltus_status status = run_piece(w, w->u[own], k, message);
     if (status == SALTUS_OK)
         status = saltus_flow_strike(w->flow, 0, mark->kind, mark->face, &strike, message);
@@ -172,8 +174,9 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
         return status;
     saltus_response_mark(&p->response, gradient, strike.equation_rate * w->period, scale, own,
                          p->equations.jacobian + (size_t)own * (size_t)m);
-    saltus_response_mark(&p->response, speed_gradient, strike.speed_rate * w->period, scale / w->period, own,
-                         p->speeds + (size_t)k * (size_t)m);
+    if (k == p->speed_mark)
+        saltus_response_mark(&p->response, speed_gradient, strike.speed_rate * w->period, scale / w->period,
+                             own, p->speed_row);
     saltus_response_end_piece(&p->response, w->flow);
     if (w->collects) {
         /* The mark's time depends on the state: the flow's tangent vectors passed it at a fixed time. */
@@ -344,8 +347,8 @@ saltus_status saltus_shooting_around(void *self, const double *u, saltus_message
                                                     : p->family.unit[j - p->count];
         for (int i = 0; i < p->count; i++)
             p->equations.jacobian[(size_t)i * (size_t)m + (size_t)j] *= factor;
-        for (int k = 0; k < s->count; k++)
-            p->speeds[(size_t)k * (size_t)m + (size_t)j] *= factor;
+        if (p->speed_mark >= 0)
+            p->speed_row[j] *= factor;
     }
     return status;
 }
