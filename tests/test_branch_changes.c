@@ -401,6 +401,40 @@ static branch_record run_scene(const char *scene_name, const char *settings, con
     return run_in_steps(scene_name, settings, key, low, high, switches, 0.02);
 }
 
+/* A ball on a table that moves in two harmonics. Where chatter ceases to complete there are orbits with any
+ * number of impacts, many of them of other branches: the branch goes on with one close to it, or ends.
+ * Islands of chatter that it enters at one end and then at the other, in another period of the orbit, are
+ * visited once. */
+static void branches_leave_chatter_nearby(void **unused) {
+    (void)unused;
+    static const char table[] = "model:\n"
+                                "  parameters: {F: 2, omega: 1}\n"
+                                "  motion: {x: -1 - 0.07615*x' + F*sin(omega*t) + 0.2303*sin(2*omega*t)}\n"
+                                "  forcing: omega\n"
+                                "stop: {coordinate: x, d: 0, r: 0.2799, sides: lower}\n";
+    skip_where_slow();
+    branch_record record = run_scene(table, "F=2.2804", "F", 2.2804, 2.2805, 1);
+    int visited = 0, left = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k], *next = p + 1;
+        visited += strstr(p->reason, "this CH is on branch") != NULL;
+        for (int j = 0; j < k && p->kind == SALTUS_POINT_CH; j++)
+            assert_true(record.point[j].kind != SALTUS_POINT_CH ||
+                        fabs(record.point[j].value[0] - p->value[0]) > 1e-12);
+        if (p->kind != SALTUS_POINT_CH || p->impacts >= 0)
+            continue;
+        left++;
+        if (p->label_after[0])
+            for (int i = 0; i < p->dimension; i++)
+                check_near(next->state[i], p->state[i], 1e-2);
+        else
+            assert_true(next->kind == SALTUS_POINT_EP && next->value[0] == p->value[0]);
+    }
+    assert_int_equal(left, 2);
+    assert_int_equal(visited, 1);
+    branch_forget(&record);
+}
+
 /* Whatever the steps, a run finds the same special points on the same branches, known as well as it says:
  * also a flip within the first step of a branch that was switched to, two flips around the place where a
  * branch turns back into itself, orbits along which perturbations grow beyond all bounds, impacts that die as
@@ -838,6 +872,7 @@ int main(void) {
         cmocka_unit_test(a_long_transient_between_chatter),
         cmocka_unit_test(a_tail_is_counted_where_it_grazes),
         cmocka_unit_test(a_contact_splits_at_one_place),
+        cmocka_unit_test(branches_leave_chatter_nearby),
         cmocka_unit_test(steps_do_not_matter),
         cmocka_unit_test(a_flip_beside_a_join_is_found),
         cmocka_unit_test(joins_are_where_the_other_branch_says),

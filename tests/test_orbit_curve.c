@@ -623,7 +623,8 @@ static void grazing_is_passed(void **state) {
 }
 
 /* The same change without a known sequence: the last orbit before it is that of the closed form, and the next
- * has the events of the flow. If the range ends too soon there is no next one. */
+ * has the events of the flow. If the range ends too soon there is no next one, nor if only orbits of a part
+ * of the period are near. */
 static void changes_are_leapt_over(void **state) {
     (void)state;
     for (int k = 0; k < known_count; k++)
@@ -632,23 +633,26 @@ static void changes_are_leapt_over(void **state) {
             family f;
             saltus_solution from = {0}, to = {0}, at = {0}, here = {0}, scratch = {0};
             saltus_change change;
-            if (p->kind != SALTUS_POINT_GR || p->example != closed_two_periods)
+            if (p->kind != SALTUS_POINT_GR)
                 continue;
             step_over(&f, p, &from, &to);
             closed_orbit known = find_known(p, &f.o);
             double place = unknown_of(&f.orbits, (double)known.oscillator.omega);
-            const double range[2] = {place - 0.5, place + (ends ? 1e-7 : 0.5)};
+            const double room = ends ? 1e-7 : 0.5, range[2] = {place - room, place + room};
+            const bool shorter = p->example == closed_two_periods;
             saltus_change_leap(&f.orbits, &from, to.at.ahead, SALTUS_LEAP_EVENTS, "made up", range, &at,
                                &here, &scratch, &change);
-            check_near(at.value, (double)known.oscillator.omega, 1e-9);
-            check_near(at.value, (double)known.oscillator.omega, 100 * change.accuracy + 1e-12);
+            /* The flow follows a maximum up to the stop, and an impact down to some slowness. */
+            check_near(at.value, (double)known.oscillator.omega, shorter ? 1e-9 : 1e-8);
+            if (shorter)
+                check_near(at.value, (double)known.oscillator.omega, 100 * change.accuracy + 1e-12);
             assert_true(at.survey.follows && !(at.worst.value > 0));
-            assert_int_equal(change.kind, ends ? SALTUS_POINT_EP : SALTUS_POINT_GR);
-            if (ends) {
+            assert_int_equal(change.kind, ends || shorter ? SALTUS_POINT_EP : SALTUS_POINT_GR);
+            assert_string_equal(change.after, ends || shorter ? "" : "0/1");
+            if (ends || shorter) {
                 assert_string_equal(change.reason, "made up");
             } else {
-                assert_string_equal(change.after, "2/2");
-                assert_true(here.survey.follows && here.sequence.count == 2 && here.worst.value < 0);
+                assert_true(here.survey.follows && here.sequence.count == 0 && here.worst.value < 0);
                 check_near((here.value - at.value) * p->heading, change.distance, 1e-9);
                 assert_true(here.at.tangent[here.at.unknowns - 1] * p->heading > 0);
             }

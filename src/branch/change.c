@@ -193,6 +193,13 @@ static double beyond_contact(const saltus_solution *from, const saltus_solution 
     return shrinks ? fabs(ahead) * pow(fmin(at->worst.value, -shortest) / from->worst.value, power) : 0;
 }
 
+/* The same at a change of this kind, on the step from `from` to `at`. */
+static double accuracy_of(const saltus_orbits *o, saltus_point_kind kind, const saltus_solution *from,
+                          const saltus_solution *at, double width) {
+    const double contact = kind == SALTUS_POINT_CH ? beyond_contact(from, at, at->at.ahead) : 0;
+    return accuracy_at(o, at, width + contact);
+}
+
 /* The sequence of events that the flow meets on the orbit `s`; `state` (n) becomes the state at its base. */
 static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *state, saltus_sequence *met) {
     saltus_lap lap = {.keeps_events = true};
@@ -205,11 +212,13 @@ static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *sta
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 
-/* Shooting with the flow's own events: if there is an orbit of the period of `old` near `state` (n, at its
- * base), `out` becomes that orbit with the sequence that the flow meets on it. `state` is overwritten. */
+/* Shooting with the flow's own events: if there is an orbit of the period of `old` near `state` (n, at the
+ * base of `old`), `out` becomes that orbit with the sequence that the flow meets on it, and `state` its state
+ * there. */
 static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const double *parameters,
                          double *state, saltus_solution *out) {
     saltus_sequence met, driven = *old;
+    double fresh[SALTUS_STATE_MAX];
     driven.driven = true;
     driven.count = 0;
     driven.cuts = 1;
@@ -221,19 +230,25 @@ static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const dou
     if (saltus_solution_place(o, &driven, parameters, state, true, out, NULL) != SALTUS_OK ||
         !saltus_solution_walk(o, out) || !out->survey.follows)
         return false;
-    return sequence_met(o, out, state, &met) &&
-           saltus_solution_place(o, &met, parameters, state, true, out, NULL) == SALTUS_OK &&
+    memcpy(state, out->state, (size_t)o->n * sizeof *state);
+    return sequence_met(o, out, fresh, &met) &&
+           saltus_solution_place(o, &met, parameters, fresh, true, out, NULL) == SALTUS_OK &&
            !saltus_solution_rests(out, NULL) && saltus_solution_survey(o, out, NULL) == SALTUS_OK;
 }
 
-/* The same at `parameter`, with a guess along the tangent at `from`. */
-static bool shoot_ahead(saltus_orbits *o, const saltus_solution *from, double parameter, double *state,
-                        saltus_solution *out) {
+/* The same at `parameter`, with a guess along the tangent at `from`. *astray: how far the orbit lies from the
+ * guess, relative to how far the guess lies from `from`, in state and parameter. */
+static bool shoot_ahead(saltus_orbits *o, const saltus_solution *from, double parameter, saltus_solution *out,
+                        double *astray) {
     double distance = (parameter - from->parameter[0]) / saltus_solution_heading(from);
     const double *scale = saltus_shooting_scale(o->shooting);
+    double guess[SALTUS_STATE_MAX], state[SALTUS_STATE_MAX];
     for (int i = 0; i < o->n; i++)
-        state[i] = (from->at.u[i] + distance * from->at.tangent[i]) * scale[i];
-    return shoot_freely(o, &from->sequence, &parameter, state, out);
+        state[i] = guess[i] = (from->at.u[i] + distance * from->at.tangent[i]) * scale[i];
+    bool found = shoot_freely(o, &from->sequence, &parameter, state, out);
+    *astray = saltus_system_distance(o->system, state, guess) /
+              (saltus_system_distance(o->system, guess, from->state) + fabs(parameter - from->parameter[0]));
+    return found;
 }
 
 /* Whether the orbit is in contact with a stop all the time. */
@@ -327,10 +342,14 @@ typedef enum belonging {
     BELONGS
 } belonging;
 
-/* Turn the tangent of `here`, an orbit found beyond the change at `at`, away from the change, and judge
- * whether the branch goes on with it. If the change is located better from beyond, *change is updated. */
-static belonging head_on(saltus_orbits *o, const saltus_solution *at, double heading, saltus_leap leap,
-                         saltus_solution *here, saltus_solution *scratch, saltus_change *change) {
+/* Turn the tangent of `here`, an orbit found beyond the change at `at` and `astray` (shoot_ahead), away from
+ * the change, and judge whether the branch goes on with it. If the change is located better from beyond,
+ * *change is updated. */
+static belonging head_on(saltus_orbits *o, const saltus_solution *at, double heading, double astray,
+                         saltus_leap leap, saltus_solution *here, saltus_solution *scratch,
+                         saltus_change *change) {
+    const double near = 1e-2;
+    const bool regular = change->kind == SALTUS_POINT_REGULAR;
     const saltus_survey *before = &at->survey, *after = &here->survey;
     double accuracy;
     saltus_solution_head(here, heading);
@@ -343,8 +362,12 @@ static belonging head_on(saltus_orbits *o, const saltus_solution *at, double hea
         change->accuracy = accuracy;
         return BELONGS;
     }
-    /* Near where chatter completes there are orbits with any number of impacts. */
+    /* Near where chatter completes there are orbits with any number of impacts, and none of them leads back
+     * to it: the branch goes on with one that moves as its tangent says, since the flight that is left of the
+     * contact disturbs the motion by less than the change of the parameter does. */
     if (change->kind == SALTUS_POINT_CH && before->impacts < 0) {
+        if (!(astray < 1) || saltus_system_distance(o->system, after->lap.points, before->lap.points) > near)
+            return BELONGS_NOT;
         if (!leads_away(o, at, here, change->distance, scratch))
             saltus_curve_turn(&here->at);
         return after->follows && is_easy(here) ? BELONGS : BELONGS_ELSE;
@@ -361,10 +384,12 @@ static belonging head_on(saltus_orbits *o, const saltus_solution *at, double hea
         change->value = scratch->value;
         change->accuracy = accuracy;
     }
-    if (after->follows && (begins || change->kind == SALTUS_POINT_REGULAR))
+    /* Where an impact dies the tangent leads away, and the branch goes on near the change. */
+    const bool stays = astray < 2;
+    if (after->follows && (begins || (regular && stays)))
         return BELONGS;
-    bool told = leap == SALTUS_LEAP_EVENTS && before->impacts >= 0;
-    return begins || told || change->kind == SALTUS_POINT_REGULAR ? BELONGS_ELSE : BELONGS_NOT;
+    const bool told = regular || (leap == SALTUS_LEAP_EVENTS && before->impacts >= 0);
+    return begins || (told && stays) ? BELONGS_ELSE : BELONGS_NOT;
 }
 
 /* Whether the contact after complete chatter has shrunk to zero length. */
@@ -377,7 +402,7 @@ static bool ceases_to_complete(const saltus_solution *at) {
 static saltus_change compare(const saltus_orbits *o, const saltus_solution *from, const saltus_solution *at,
                              double width, const char *why, const saltus_solution *here) {
     const saltus_survey *before = &at->survey, *after = &here->survey;
-    saltus_change change = {.reason = why, .accuracy = accuracy_at(o, at, width)};
+    saltus_change change = {.reason = why};
     if (is_held(before) != is_held(after))
         change.reason = is_held(after) ? "a contact becomes permanent" : "a contact lets go";
     bool completes = (before->impacts < 0) != (after->impacts < 0);
@@ -386,10 +411,15 @@ static saltus_change compare(const saltus_orbits *o, const saltus_solution *from
                   : before->sticking_intervals != after->sticking_intervals ? SALTUS_POINT_ST
                   : before->impacts != after->impacts                       ? SALTUS_POINT_GR
                                                                             : SALTUS_POINT_REGULAR;
-    if (change.kind == SALTUS_POINT_CH)
-        change.accuracy +=
-            beyond_contact(from, at, at->at.ahead) * (fabs(saltus_solution_heading(at)) * o->family.unit[0]);
+    change.accuracy = accuracy_of(o, change.kind, from, at, width);
     return change;
+}
+
+static int period_of(saltus_orbits *o, const saltus_solution *s) {
+    saltus_lap lap = {0};
+    const int period = saltus_solution_least_period(o, s, &lap);
+    saltus_lap_close(&lap);
+    return period;
 }
 
 void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ahead, saltus_leap leap,
@@ -402,30 +432,37 @@ void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ah
     *change = (saltus_change){.kind = SALTUS_POINT_EP, .reason = why, .accuracy = NAN};
     if (isnan(width))
         return;
-    if (ceases_to_complete(at))
+    const bool ceases = ceases_to_complete(at);
+    if (ceases) {
+        change->kind = SALTUS_POINT_CH;
         change->reason = why = "chatter ceases to complete: the contact after it shrinks to nothing";
-    change->accuracy = accuracy_at(o, at, width);
-    double state[SALTUS_STATE_MAX], border = range[heading > 0];
+    }
+    change->accuracy = accuracy_of(o, change->kind, from, at, width);
+    double astray, border = range[heading > 0];
     change->at_border =
-        fabs(at->parameter[0] - border) < saltus_at_border && shoot_ahead(o, at, border, state, here);
+        fabs(at->parameter[0] - border) < saltus_at_border && shoot_ahead(o, at, border, here, &astray);
     /* Where chatter completes, changes lie close together; where grazings accumulate, the parameter turns
      * back again and again. The last attempt repeats the first that gave an orbit to use if no better one is
      * found. */
     bool near = leap == SALTUS_LEAP_RUN || (at->survey.impacts < 0 && !is_held(&at->survey));
+    const int period = period_of(o, at);
     int tries = change->at_border ? 0 : 2 * reaches, other = -1;
     for (int k = near ? 0 : 2 * wide; k < tries + (other >= 0); k++) {
         int own = k < tries ? k : other;
         double distance = reach[own / 2], way = own % 2 ? -heading : heading;
         double parameter = at->parameter[0] + copysign(distance, way);
         if ((own % 2 && leap != SALTUS_LEAP_RUN) || parameter < range[0] || parameter > range[1] ||
-            !shoot_ahead(o, at, parameter, state, here))
+            !shoot_ahead(o, at, parameter, here, &astray))
             continue;
         saltus_change found = compare(o, from, at, width, why, here);
         found.distance = distance;
-        /* Without a change the branch would go back on itself. */
-        if (own % 2 && found.kind == SALTUS_POINT_REGULAR)
+        const bool chatter = found.kind == SALTUS_POINT_CH;
+        /* Without a change the branch would go back on itself. Only where orbits forget what came before do
+         * they become those of a part of the period. */
+        if ((own % 2 && found.kind == SALTUS_POINT_REGULAR) || (ceases && !chatter) ||
+            period_of(o, here) < (chatter ? period : at->sequence.periods))
             continue;
-        belonging belongs = head_on(o, at, way, leap, here, scratch, &found);
+        belonging belongs = head_on(o, at, way, astray, leap, here, scratch, &found);
         if (belongs == BELONGS || k == tries) {
             *change = found;
             saltus_solution_label(o, here, change->after);

@@ -17,12 +17,12 @@
 static const double saltus_at_border = 1e-12;
 
 typedef struct saltus_change {
-    saltus_point_kind kind; /* GR, CH or ST; EP: the branch ends; REGULAR: no change of events, but the step
-                               jumps over a place where the continuation failed */
+    saltus_point_kind kind; /* GR, CH or ST; EP: no change of events is known where the branch ends; REGULAR:
+                               there is none, but the step jumps over a place where the continuation failed */
     double value;           /* of the parameter, where known more accurately than from `at`; otherwise 0 */
     double accuracy;
     const char *reason;           /* what changes, or why the branch ends */
-    char after[SALTUS_LABEL_MAX]; /* the label beyond the change */
+    char after[SALTUS_LABEL_MAX]; /* the label beyond the change; "": the branch ends */
     bool turns_back;              /* the parameter does */
     double distance;              /* arclength from the change to the next point of the branch */
     bool at_border;               /* `here` is on the border of the range, and so is `at` to rounding */
@@ -51,8 +51,8 @@ typedef enum saltus_leap {
 } saltus_leap;
 
 /* The orbits of the branch through `from` exist, or are followed by the flow, only up to some point before
- * `ahead`: `at` becomes the last of them, `here` an orbit beyond, within `range`. Kind EP: no such orbit was
- * found; if there is no last orbit either, accuracy is NAN and `at` is not set. `scratch` is overwritten. */
+ * `ahead`: `at` becomes the last of them, `here` an orbit beyond, within `range`, if one was found. If there
+ * is no last orbit either, accuracy is NAN and `at` is not set. `scratch` is overwritten. */
 void saltus_change_leap(saltus_orbits *orbits, const saltus_solution *from, double ahead, saltus_leap leap,
                         const char *why, const double range[2], saltus_solution *at, saltus_solution *here,
                         saltus_solution *scratch, saltus_change *change);

@@ -115,7 +115,7 @@ bool saltus_rest_give(saltus_rests *r, const saltus_rest *s, saltus_notice what,
     snprintf(point.label, sizeof point.label, "%s", label_of(s->contacts));
     if (touches)
         saltus_point_mark_grazing(r->system, &touch, &point);
-    saltus_trail_give(trail, r->system, &point, &what, &r->starved);
+    saltus_trail_give(trail, r->system, &point, NULL, &what, &r->starved);
     return !r->starved;
 }
 

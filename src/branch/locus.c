@@ -268,7 +268,7 @@ static void give(saltus_locus *l, const saltus_locus_point *p, saltus_point_kind
         const saltus_breach touch = {.face = own->face, .time = own->time};
         saltus_point_mark_grazing(l->x.orbits.system, &touch, &point);
     }
-    saltus_trail_give(l->trail, l->x.orbits.system, &point, &what, &l->x.orbits.starved);
+    saltus_trail_give(l->trail, l->x.orbits.system, &point, NULL, &what, &l->x.orbits.starved);
 }
 
 /* Whether the last step, from what is now `next` to `here`, has passed the first point in its direction. */

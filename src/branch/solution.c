@@ -274,6 +274,25 @@ bool saltus_cycle_around(saltus_orbits *o, const saltus_solution *s, saltus_lap 
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 
+bool saltus_solution_section(saltus_orbits *o, const saltus_solution *s, const double *point,
+                             saltus_lap *lap) {
+    if (s->sequence.omega > 0)
+        return saltus_cycle_around(o, s, lap);
+    if (!s->survey.walked)
+        return false;
+    saltus_status status = saltus_orbits_tune(o, s->parameter, 0, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_lap_around(lap, o->flow, point, s->sequence.periods, NULL);
+    return saltus_orbits_noted(o, status) == SALTUS_OK;
+}
+
+int saltus_solution_least_period(saltus_orbits *o, const saltus_solution *s, saltus_lap *lap) {
+    const bool known = s->sequence.periods > 1 && s->sequence.omega == 0 &&
+                       !saltus_lap_held(&s->survey.lap) &&
+                       saltus_solution_section(o, s, s->survey.lap.points, lap);
+    return known ? saltus_lap_least_period(lap, &o->options.flow) : s->sequence.periods;
+}
+
 void saltus_solution_label(saltus_orbits *o, const saltus_solution *s, char label[SALTUS_LABEL_MAX]) {
     saltus_lap lap = {0};
     memcpy(label, s->survey.label, SALTUS_LABEL_MAX);

@@ -62,7 +62,12 @@ void saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltus_notice 
         t->returns = returns;
         t->counted = what.value ? *what.value : s->value;
     }
-    saltus_trail_give(t->trail, t->orbits.system, &point, &what, &t->orbits.starved);
+    saltus_lap lap = {0};
+    const bool known = point.periods > 1 && s->sequence.omega == 0 && saltus_trail_keeps(what.kind) &&
+                       saltus_solution_section(&t->orbits, s, point.state, &lap);
+    saltus_trail_give(t->trail, t->orbits.system, &point, known ? lap.points : NULL, &what,
+                      &t->orbits.starved);
+    saltus_lap_close(&lap);
 }
 
 void saltus_trace_end(saltus_trace *t, const saltus_solution *s, double ahead, const char *reason) {

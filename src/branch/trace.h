@@ -70,6 +70,10 @@ void saltus_trace_drop_starts(saltus_trace *trace);
 void saltus_trace_follow_joined(saltus_trace *trace, const saltus_solution *at, saltus_point_kind kind,
                                 double value);
 void saltus_trace_follow_grazing(saltus_trace *trace, const saltus_solution *at, bool images);
+/* Whether the orbit `beyond` where chatter completes, `at`, is one of only a part of the period, with the
+ * label `after`. Both ways along their branch are added as above. */
+bool saltus_trace_joins_part(saltus_trace *trace, const saltus_solution *at, const saltus_solution *beyond,
+                             double value, char after[SALTUS_LABEL_MAX]);
 /* Whether at a special point of the present branch another one joined it earlier, whose starts on this one,
  * if they are left, are dropped. *other: the number of that branch if it has led on along this one, so that
  * this is where the present one has to end; otherwise -1. */

@@ -122,7 +122,6 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
 /* Give out the first point of a branch as a regular point, and again as UZ if it lies at a requested value.
  * Keep its section points, to notice when the branch comes back to it. */
 static void give_first(saltus_trace *t, const saltus_branch_start *start) {
-    saltus_orbits *o = &t->orbits;
     const saltus_branch_options *options = t->trail->options;
     const saltus_solution *here = t->here;
     const double bound = start->heading > 0 ? t->range[1] : t->range[0];
@@ -134,13 +133,7 @@ static void give_first(saltus_trace *t, const saltus_branch_start *start) {
     if (start->heading && here->parameter[0] == bound && t->trail->following)
         saltus_trace_give(t, here, (saltus_notice){.kind = SALTUS_POINT_EP, .reason = saltus_range_ends});
     t->first_value = here->value;
-    if (saltus_orbits_tune(o, here->parameter, here->sequence.omega, NULL) != SALTUS_OK)
-        return;
-    if (here->sequence.omega > 0)
-        saltus_cycle_around(o, here, &t->first);
-    else
-        saltus_orbits_noted(
-            o, saltus_lap_around(&t->first, o->flow, here->survey.lap.points, here->sequence.periods, NULL));
+    saltus_solution_section(&t->orbits, here, here->survey.lap.points, &t->first);
 }
 
 saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *start, saltus_message *message) {

@@ -5,6 +5,7 @@
 #include "branch/sequence.h"
 #include "branch/trace.h"
 #include "orbit/lap.h"
+#include "orbit/sequence.h"
 
 #include <math.h>
 #include <string.h>
@@ -58,22 +59,11 @@ const saltus_breach *saltus_trace_touch(const saltus_solution *at, bool joins) {
     return touch;
 }
 
-/* Section points of an orbit; for a cycle `lap`, which the caller closes, holds them. NULL: not known. */
-static const double *section_points(saltus_orbits *o, const saltus_solution *s, saltus_lap *lap, int *count) {
-    *count = s->sequence.periods;
-    if (s->sequence.omega == 0)
-        return s->survey.walked ? s->survey.lap.points : NULL;
-    const bool known = saltus_cycle_around(o, s, lap);
-    *count = known ? lap->periods : 0;
-    return known ? lap->points : NULL;
-}
-
 bool saltus_trace_same_orbit(saltus_trace *t, const saltus_solution *s, const saltus_lap *lap) {
     saltus_lap own = {0};
-    int count;
-    const double *points = section_points(&t->orbits, s, &own, &count);
     const bool same =
-        points && saltus_orbit_passes(t->orbits.system, lap->points, lap->periods, points, SALTUS_SAME_POINT);
+        saltus_solution_section(&t->orbits, s, s->survey.lap.points, &own) &&
+        saltus_orbit_passes(t->orbits.system, lap->points, lap->periods, own.points, SALTUS_SAME_POINT);
     saltus_lap_close(&own);
     return same;
 }
@@ -81,11 +71,10 @@ bool saltus_trace_same_orbit(saltus_trace *t, const saltus_solution *s, const sa
 bool saltus_trace_was_joined(saltus_trace *t, const saltus_solution *s, saltus_point_kind kind, double value,
                              int *other) {
     saltus_lap lap = {0};
-    int count;
-    const double *points = section_points(&t->orbits, s, &lap, &count);
-    const int place = points ? saltus_trail_find(t->trail, t->orbits.system, kind, s->sequence.periods, value,
-                                                 points, count, true, other)
-                             : 0;
+    const int place = saltus_solution_section(&t->orbits, s, s->survey.lap.points, &lap)
+                          ? saltus_trail_find(t->trail, t->orbits.system, kind, s->sequence.periods, value,
+                                              lap.points, lap.periods, true, other)
+                          : 0;
     saltus_lap_close(&lap);
     /* With one start left that one leads back here, and the other has led on. */
     if (place && saltus_starts_drop(t->starts, place) == 2)
@@ -100,12 +89,11 @@ static void add_joined(saltus_trace *t, const saltus_solution *orbit, saltus_bra
     saltus_lap lap = {0};
     saltus_orbits *o = &t->orbits;
     const int periods = start->sequence.periods;
-    int count;
-    const double *points = section_points(o, orbit, &lap, &count);
-    if (points &&
-        !saltus_trail_find(t->trail, o->system, start->origin, periods, value, points, count, false, NULL)) {
+    if (saltus_solution_section(o, orbit, orbit->survey.lap.points, &lap) &&
+        !saltus_trail_find(t->trail, o->system, start->origin, periods, value, lap.points, lap.periods, false,
+                           NULL)) {
         start->place =
-            saltus_trail_join(t->trail, o->system, start->origin, periods, value, points, &o->starved);
+            saltus_trail_join(t->trail, o->system, start->origin, periods, value, lap.points, &o->starved);
         if (!sequences)
             saltus_starts_add_ways(t->starts, start, 0, &o->starved);
         for (int k = 0; k < 2 && sequences; k++) {
@@ -114,6 +102,29 @@ static void add_joined(saltus_trace *t, const saltus_solution *orbit, saltus_bra
         }
     }
     saltus_lap_close(&lap);
+}
+
+bool saltus_trace_joins_part(saltus_trace *t, const saltus_solution *at, const saltus_solution *beyond,
+                             double value, char after[SALTUS_LABEL_MAX]) {
+    saltus_orbits *o = &t->orbits;
+    saltus_lap lap = {0}, met = {.keeps_events = true};
+    saltus_branch_start start = saltus_trail_leaving(t->trail);
+    const int periods = beyond->sequence.periods;
+    const int part = saltus_solution_least_period(o, beyond, &lap);
+    if (part < periods) {
+        const long long impacts = beyond->survey.impacts;
+        saltus_orbit_label(impacts < 0 ? impacts : impacts * part / periods, part, after);
+        start.parameter = beyond->parameter[0];
+        start.origin = SALTUS_POINT_CH;
+        memcpy(start.state, lap.points, (size_t)o->n * sizeof *start.state);
+        if (saltus_trail_switches(t->trail) &&
+            saltus_orbits_noted(o, saltus_sequence_make(o->flow, part, false, start.state, &met,
+                                                        &start.sequence, NULL)) == SALTUS_OK)
+            add_joined(t, at, &start, NULL, value);
+    }
+    saltus_lap_close(&lap);
+    saltus_lap_close(&met);
+    return part < periods;
 }
 
 void saltus_trace_follow_joined(saltus_trace *t, const saltus_solution *at, saltus_point_kind kind,

@@ -130,8 +130,8 @@ static bool visit_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus
 }
 
 /* Give out a point where other branches leave, and keep these for later; `beyond`: the sequence beyond
- * grazing. Where a branch that has been followed joins this one, there are no others; if it has led on along
- * this one, the branch ends. */
+ * grazing (NULL: there none are sought). Where a branch that has been followed joins this one, there are no
+ * others; if it has led on along this one, the branch ends. */
 static void give_branching(saltus_trace *t, const saltus_solution *at, saltus_notice what,
                            const saltus_sequence *beyond) {
     char reason[SALTUS_REASON_MAX];
@@ -139,7 +139,8 @@ static void give_branching(saltus_trace *t, const saltus_solution *at, saltus_no
     const double value = what.value ? *what.value : at->value;
     const bool branches =
         what.kind == SALTUS_POINT_PD || what.kind == SALTUS_POINT_BP || what.kind == SALTUS_POINT_GR;
-    const bool known = branches && saltus_trace_was_joined(t, at, what.kind, value, &other);
+    const bool known = (branches || what.kind == SALTUS_POINT_CH) &&
+                       saltus_trace_was_joined(t, at, what.kind, value, &other);
     if (known && other >= 0) {
         snprintf(reason, sizeof reason, "this %s is on branch %d", saltus_point_word(what.kind), other);
         what.kind = SALTUS_POINT_EP;
@@ -147,7 +148,7 @@ static void give_branching(saltus_trace *t, const saltus_solution *at, saltus_no
         what.addition = NULL;
     }
     saltus_trace_give(t, at, what);
-    if (branches && !known)
+    if (branches && !known && (what.kind != SALTUS_POINT_GR || beyond))
         add_starts(t, at, what.kind, beyond);
 }
 
@@ -243,10 +244,19 @@ static saltus_notice notice_of(const saltus_change *change, double ahead, const 
                            .change = true};
 }
 
-/* Give out the change at `trial`, unless it is REGULAR; `spare`, this far along, becomes `here`. */
+/* Give out the change at `trial`, unless it is REGULAR; `spare`, this far along, becomes `here`, unless that
+ * is an orbit of a shorter period. */
 static void go_over(saltus_trace *t, saltus_notice what, double distance) {
-    if (what.kind != SALTUS_POINT_REGULAR)
-        saltus_trace_give(t, t->trial, what);
+    char after[SALTUS_LABEL_MAX];
+    const double value = what.value ? *what.value : t->trial->value;
+    const bool changes = what.kind != SALTUS_POINT_REGULAR;
+    const bool joins =
+        what.kind == SALTUS_POINT_CH && saltus_trace_joins_part(t, t->trial, t->spare, value, after);
+    what.after = joins ? after : what.after;
+    if (changes)
+        give_branching(t, t->trial, what, NULL);
+    if (joins && t->trail->following)
+        saltus_trace_end(t, t->trial, what.ahead, "joins orbits of a part of the period");
     if (!t->trail->following)
         return;
     saltus_trail_jump(t->trail, distance);
@@ -274,14 +284,14 @@ static void leap(saltus_trace *t, double ahead, saltus_leap kind, const char *wh
     for (int pass = 0; pass < 2; pass++) {
         saltus_change_leap(&t->orbits, t->here, ahead, kind, why, t->range, t->trial, t->spare, t->other,
                            &change);
-        if (pass || change.kind != SALTUS_POINT_EP || t->births.count < saltus_births_length)
+        if (pass || change.after[0] || t->births.count < saltus_births_length)
             break;
         /* Rounding may hide the last births before chatter completes. If this fails the leap is repeated,
          * since the attempt has overwritten its result. */
         if (complete_run(t, true))
             return;
     }
-    const bool ends = change.kind == SALTUS_POINT_EP;
+    const bool ends = !change.after[0];
     saltus_notice what = notice_of(&change, t->trial->at.ahead, change.value != 0 ? &change.value : NULL);
     if (ends)
         what.addition = "; beyond it no orbit of this period was found";
@@ -289,8 +299,12 @@ static void leap(saltus_trace *t, double ahead, saltus_leap kind, const char *wh
         saltus_trace_end(t, t->here, 0, why);
     else if (change.at_border)
         end_at_border(t, t->spare, t->trial->at.ahead);
-    else if (!(ends && (kind == SALTUS_LEAP_EVENTS || t->trial->survey.impacts < 0) &&
-               end_by_border(t, t->trial)))
+    else if (ends && (kind == SALTUS_LEAP_EVENTS || t->trial->survey.impacts < 0) &&
+             end_by_border(t, t->trial))
+        return;
+    else if (ends)
+        give_shared_end(t, t->trial, what);
+    else
         go_over(t, what, t->trial->at.ahead + change.distance);
 }
 

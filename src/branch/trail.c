@@ -67,23 +67,25 @@ static const unsigned marginal = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD |
                       orbits_meet = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_NS |
                                     1u << SALTUS_POINT_GR | 1u << SALTUS_POINT_CH | 1u << SALTUS_POINT_ST,
                       sharply = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_NS |
-                                1u << SALTUS_POINT_GR,
+                                1u << SALTUS_POINT_GR | 1u << SALTUS_POINT_CH,
                       rests_meet = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_BE;
 
 /* The branch on which a special point was given out before; -1: none. Points of branches that cross, or begin
  * at one another, differ in kind or period. Where impacts die one after the other, points lie close together
  * without being the same; they differ in the number of impacts. Folds of cycles near a homoclinic orbit
  * differ only in their period. */
-static int find_visited(const saltus_trail *t, const saltus_system *system,
-                        const saltus_branch_point *point) {
+static int find_visited(const saltus_trail *t, const saltus_system *system, const saltus_branch_point *point,
+                        const double *points) {
+    const int count = points ? point->periods : 1;
     const double unit = t->options->high[0] - t->options->low[0];
     const char *at = point->label, *after = point->label_after;
     for (int k = 0; k < t->visited.count; k++) {
         const visited *v = (const visited *)t->visited.items + k;
-        /* At both, the same two motions meet, in either order. */
-        const bool same = (strcmp(v->label[0], at) == 0 && strcmp(v->label[1], after) == 0) ||
+        /* At both, the same two motions meet, in either order. Beyond the end of chatter there are orbits
+         * with any number of impacts. */
+        const bool same = v->kind == SALTUS_POINT_CH ||
+                          (strcmp(v->label[0], at) == 0 && strcmp(v->label[1], after) == 0) ||
                           (strcmp(v->label[0], after) == 0 && strcmp(v->label[1], at) == 0);
-        /* Where chatter completes is seen less sharply from one side than from the other. */
         const bool sharp = sharply >> v->kind & 1 && v->accuracy > 0 && isfinite(point->accuracy);
         const double close_value = !same    ? 1e-11
                                    : !sharp ? 1e-7
@@ -92,7 +94,7 @@ static int find_visited(const saltus_trail *t, const saltus_system *system,
         if (!v->joined && v->kind == point->kind && v->periods == point->periods &&
             fabs(v->period - period_of(point)) <= 1e-4 * v->period &&
             fabs(v->value - point->value[0]) < close_value * unit &&
-            saltus_system_distance(system, v->state, point->state) < close_state)
+            saltus_orbit_passes(system, points ? points : point->state, count, v->state, close_state))
             return v->branch;
     }
     return -1;
@@ -131,8 +133,12 @@ int saltus_trail_join(saltus_trail *t, const saltus_system *system, saltus_point
     return t->visited.count;
 }
 
+bool saltus_trail_keeps(saltus_point_kind kind) {
+    return orbits_meet >> kind & 1;
+}
+
 void saltus_trail_give(saltus_trail *t, const saltus_system *system, saltus_branch_point *fresh,
-                       const saltus_notice *what, bool *starved) {
+                       const double *points, const saltus_notice *what, bool *starved) {
     const saltus_branch_options *o = t->options;
     saltus_branch_point *point = saltus_list_grow(&t->queue, sizeof *point, starved);
     if (!point) {
@@ -158,7 +164,7 @@ void saltus_trail_give(saltus_trail *t, const saltus_system *system, saltus_bran
     const unsigned meets = point->locus ? 0 : point->periods ? orbits_meet : rests_meet;
     const bool kept = meets >> point->kind & 1;
     const bool crosses = !point->locus && point->periods && point->kind == SALTUS_POINT_BP;
-    const int earlier = kept ? find_visited(t, system, point) : -1;
+    const int earlier = kept ? find_visited(t, system, point, points) : -1;
     if ((kept && earlier < 0) || crosses) {
         visited own = {.kind = point->kind,
                        .branch = t->number,

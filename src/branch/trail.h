@@ -43,11 +43,14 @@ void saltus_trail_begin(saltus_trail *trail, int number, int parent, int depth, 
 /* Whether branches that leave the current one are followed too; and what their starts have in common. */
 bool saltus_trail_switches(const saltus_trail *trail);
 saltus_branch_start saltus_trail_leaving(const saltus_trail *trail);
-/* Queue a point, which then belongs to the trail. A branch ends with a point of kind EP; it also ends if it
- * comes to a special point that was visited before, and when it has enough points. Without memory *starved is
- * set, here and below, and the branch ends without a point. */
+/* Queue a point, which then belongs to the trail; `points` (may be NULL): the section points of its orbit, of
+ * which it tells one. A branch ends with a point of kind EP; it also ends if it comes to a special point that
+ * was visited before, and when it has enough points. Without memory *starved is set, here and below, and the
+ * branch ends without a point. */
 void saltus_trail_give(saltus_trail *trail, const saltus_system *system, saltus_branch_point *fresh,
-                       const saltus_notice *what, bool *starved);
+                       const double *points, const saltus_notice *what, bool *starved);
+/* Whether branches of orbits end where they meet a point of this kind that was visited before. */
+bool saltus_trail_keeps(saltus_point_kind kind);
 /* The place, counted from 1, at which a special point of this kind and period lies on another branch, at an
  * orbit with these section points (`count`, each a state); 0: none. `joined`: only places at which branches
  * join another one on which they were not; *branch (may be NULL) becomes the number of the branch. */
