@@ -721,6 +721,27 @@ static void where_hardly_anything_rebounds(void **unused) {
     }
 }
 
+/* Impacts that rebound at all end in complete chatter where a contact follows, and r = 0 is where that ends,
+ * however little of it the tolerance lets be seen. */
+static void what_hardly_rebounds_chatters(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {omega: 1.1702}\n"
+                               "  motion: {x: -0.2028*x' - 1.2516*x + 0.8422*cos(omega*t) - 0.0153}\n"
+                               "  forcing: omega\n"
+                               "stop: {coordinate: x, d: 0.1409, r: 0.7, sides: upper}\n";
+    saltus_branch_options options = branch_along("r", 0, 0.01);
+    options.direction = -1;
+    branch_record record = run_from(text, "r=0.005", 0, NULL, &options);
+    for (int j = 0; j < record.count; j++) {
+        const bool rebounds = record.point[j].value[0] > 0;
+        assert_string_equal(record.point[j].label, rebounds ? "chatter/1" : "1/1");
+        assert_int_equal(record.point[j].kind, rebounds ? SALTUS_POINT_REGULAR : SALTUS_POINT_EP);
+    }
+    assert_true(record.point[record.count - 2].value[0] < 1e-7 && last_of(&record)->value[0] == 0);
+    branch_forget(&record);
+}
+
 /* Close to where a branch of orbits of twice the period begins, and another impact is about to be born, that
  * branch is not left for the shorter orbits, on which other branches leave. */
 static void doubled_orbits_near_the_end_of_a_run(void **unused) {
@@ -880,6 +901,7 @@ int main(void) {
         cmocka_unit_test(a_branch_joined_twice_is_followed_once),
         cmocka_unit_test(halves_that_are_all_but_alike),
         cmocka_unit_test(where_hardly_anything_rebounds),
+        cmocka_unit_test(what_hardly_rebounds_chatters),
         cmocka_unit_test(doubled_orbits_near_the_end_of_a_run),
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
         cmocka_unit_test(a_second_chatter_completes),
