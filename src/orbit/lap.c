@@ -150,8 +150,8 @@ double saltus_lap_rms(const saltus_lap *lap) {
     return lap->watched > 0 ? sqrt(fmax(lap->square, 0) / lap->watched) : NAN;
 }
 
-/* A lasting contact on a face with r > 0 begins with infinitely many impacts if any, although the flow may see
- * only the first: where r is so small that its rebound is within the tolerance. The impacts before the
+/* A lasting contact on a face with r > 0 begins with infinitely many impacts if any, although the flow may
+ * see only the first: where r is so small that its rebound is within the tolerance. The impacts before the
  * contact may be at the lap's end. */
 long long saltus_lap_impacts(const saltus_lap *lap) {
     return lap->rebounding_contact && lap->impacts > 0 ? -1 : lap->impacts;
