@@ -742,6 +742,40 @@ static void what_hardly_rebounds_chatters(void **unused) {
     branch_forget(&record);
 }
 
+/* A range may reach beyond where scenes exist: branches and curves end exactly there, and say why. */
+static void ranges_end_where_scenes_do(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {a: 0.3, omega: 1.2}\n"
+                               "  motion: {x: -0.2*x' - x + 0.5*cos(omega*t)}\n"
+                               "  forcing: omega\n"
+                               "stop: {coordinate: x, d: 0.3, r: 1 - 2*a, sides: upper}\n";
+    static const char domain[] = "end of the parameter's domain: r = %s: must be at least 0 and at most 1";
+    for (int k = 0; k < 2; k++) {
+        saltus_branch_options options = branch_along(k ? "omega" : "a", k ? 0.3 : -1, k ? 1.4 : 0.3);
+        options.locus = k ? SALTUS_POINT_GR : SALTUS_POINT_REGULAR;
+        snprintf(options.key[1], sizeof options.key[1], "a");
+        options.low[1] = -1;
+        options.high[1] = 1;
+        options.direction = k ? 0 : -1;
+        branch_record record = run_from(text, "a=0.3", 0, NULL, &options);
+        int ends = 0;
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            char why[SALTUS_REASON_MAX];
+            if (p->kind != SALTUS_POINT_EP)
+                continue;
+            const bool dead = k && p->branch == 0;
+            snprintf(why, sizeof why, domain, dead ? "-1" : "3");
+            assert_ptr_equal(strstr(p->reason, why), p->reason);
+            check_near(p->value[k], dead ? 0.5 : 0, 0);
+            ends++;
+        }
+        assert_int_equal(ends, 1 + k);
+        branch_forget(&record);
+    }
+}
+
 /* Close to where a branch of orbits of twice the period begins, and another impact is about to be born, that
  * branch is not left for the shorter orbits, on which other branches leave. */
 static void doubled_orbits_near_the_end_of_a_run(void **unused) {
@@ -902,6 +936,7 @@ int main(void) {
         cmocka_unit_test(halves_that_are_all_but_alike),
         cmocka_unit_test(where_hardly_anything_rebounds),
         cmocka_unit_test(what_hardly_rebounds_chatters),
+        cmocka_unit_test(ranges_end_where_scenes_do),
         cmocka_unit_test(doubled_orbits_near_the_end_of_a_run),
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
         cmocka_unit_test(a_second_chatter_completes),

@@ -399,7 +399,7 @@ static void loci_are_where_they_are_known(void **unused) {
          {"mu", "nu"},
          {-2, -1},
          {2, 2}},
-        {"a: {default: -0.5}, b: {default: -1}",
+        {"a: {default: -0.5}, b: {default: -1, min: -2, max: 2}",
          "a*x' + b*x^2*x' - x^4*x' - x",
          "",
          SALTUS_POINT_HB,

@@ -116,7 +116,7 @@ typedef struct saltus_branch_point {
 typedef struct saltus_branch_options {
     saltus_orbit_options orbit;
     char key[2][SALTUS_KEY_MAX]; /* continued parameters, as in --set; key[1] is "" except for loci */
-    double low[2], high[2];      /* their ranges */
+    double low[2], high[2];      /* their ranges; of these the parts are taken where scenes exist */
     double step, step_max; /* first and largest step of arclength, measured with the parameter in units of its
                               range and the state in units of the system's scale; default 0.005 and 0.02 */
     int points;            /* most points per branch, special points and the end included; default 2000 */

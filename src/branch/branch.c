@@ -42,6 +42,8 @@ static saltus_status open_run(saltus_branch *b, const saltus_spec *spec, int per
     const saltus_point_kind locus = b->options.locus;
     saltus_status status = saltus_branch_check(&b->options, spec, message);
     if (status == SALTUS_OK)
+        status = saltus_branch_narrow(&b->options, spec, b->trail.ends, message);
+    if (status == SALTUS_OK)
         status = saltus_trace_open(&b->trace, spec, message);
     if (status != SALTUS_OK)
         return status;

@@ -35,15 +35,12 @@ saltus_status saltus_equilibria_open(saltus_equilibria *e, const saltus_spec *sp
     saltus_status status = saltus_branch_family(spec, options, 1, &r->family, r->origin, &e->range, message);
     if (status == SALTUS_OK)
         status = saltus_rests_open(r, message);
-    /* At neither end of the range may the scene be forced. If no system exists there, the branch will end
-     * before. */
+    /* At neither end of the range may the scene be forced. */
     for (int side = 0; side < 2 && status == SALTUS_OK; side++) {
         const saltus_spec end = saltus_family_spec(&r->family, &e->range[side], 0);
         saltus_system *system = NULL;
-        const saltus_status made = saltus_system_new(&end, &system, NULL);
-        if (made == SALTUS_NO_MEMORY)
-            status = saltus_branch_no_memory(message);
-        if (made == SALTUS_OK && saltus_system_forced(system))
+        status = saltus_system_new(&end, &system, message);
+        if (status == SALTUS_OK && saltus_system_forced(system))
             status =
                 saltus_fail(message, SALTUS_BAD_INPUT,
                             "%s=%g:%g: with %s = %g the scene is forced, and has no equilibria to follow",
@@ -515,7 +512,7 @@ void saltus_equilibria_advance(saltus_equilibria *e) {
     if (reached >= 0) {
         const bool upper = e->next->parameter[0] == e->range[1];
         e->next->value[0] = upper ? trail->options->high[0] : trail->options->low[0];
-        end(e, e->next, ahead, saltus_range_ends);
+        end(e, e->next, ahead, trail->ends[0][upper]);
         return;
     }
     if (saltus_trail_wants(trail, ahead)) {
@@ -551,7 +548,7 @@ saltus_status saltus_equilibria_start(saltus_equilibria *e, const saltus_branch_
         if (trail->options->values[k] == here->value[0])
             give(e, here, (saltus_notice){.kind = SALTUS_POINT_UZ});
     if (heading && trail->following && here->parameter[0] == e->range[heading > 0])
-        end(e, here, 0, saltus_range_ends);
+        end(e, here, 0, trail->ends[0][heading > 0]);
     return SALTUS_OK;
 }
 

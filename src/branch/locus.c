@@ -723,7 +723,8 @@ static void advance(saltus_locus *l) {
     l->trail->step =
         saltus_curve_next_step(l->trail->step, l->here.at.iterations,
                                l->trail->options->step_max / fmax(hypot(way[0], way[1]), slowest));
-    const char *reason = closed ? is_back : reached >= 0 ? "end of the parameters' range" : NULL;
+    const bool upper = reached >= 0 && l->here.orbit.parameter[reached] == l->border[reached][1];
+    const char *reason = closed ? is_back : reached >= 0 ? l->trail->ends[reached][upper] : NULL;
     give(l, &l->here, reason ? SALTUS_POINT_EP : l->x.kind, 0, reason);
     if (l->trail->following && !saltus_locus_reframe(&l->x, &l->here, &l->next))
         give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit));

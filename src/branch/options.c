@@ -5,7 +5,9 @@
 #include "branch/solution.h"
 #include "orbit/options.h"
 
+#include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const saltus_word locus_words[] = {
@@ -85,6 +87,68 @@ saltus_status saltus_branch_check(const saltus_branch_options *o, const saltus_s
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%s and %s: a curve needs two parameters, not one twice", o->key[0], o->key[1]);
     return status == SALTUS_OK && o->locus ? check_range(o, 1, spec, &second, message) : status;
+}
+
+/* Whether there is a scene this far along both parameters' directions. */
+static bool exists(const saltus_spec *spec, const saltus_direction *direction, const double *amount,
+                   bool *starved, saltus_message *why) {
+    const saltus_spec first = saltus_spec_shifted(spec, &direction[0], amount[0]),
+                      there = saltus_spec_shifted(&first, &direction[1], amount[1]);
+    saltus_system *system = NULL;
+    const saltus_status status = saltus_system_new(&there, &system, why);
+    saltus_system_free(system);
+    *starved |= status == SALTUS_NO_MEMORY;
+    return status == SALTUS_OK;
+}
+
+/* Along parameter k, the last value before `end` at which there is a scene. */
+static double domain_end(const saltus_spec *spec, const saltus_direction *direction, int k, double origin,
+                         double end, double unit, bool *starved) {
+    enum { halvings = 100, decimals = 15 };
+    double amount[2] = {0}, inside = 0, outside = end - origin, power = 1;
+    for (int j = 0; j < halvings && !*starved; j++) {
+        amount[k] = 0.5 * (inside + outside);
+        *(exists(spec, direction, amount, starved, NULL) ? &inside : &outside) = amount[k];
+    }
+    const double last = origin + inside, rounding = 4 * DBL_EPSILON * (fabs(origin) + unit);
+    for (int j = 0; j <= decimals && !*starved; j++, power *= 10) {
+        const double decimal = round(last * power) / power + 0.0;
+        amount[k] = decimal - origin;
+        if (fabs(decimal - last) <= rounding && exists(spec, direction, amount, starved, NULL))
+            return decimal;
+    }
+    return last;
+}
+
+saltus_status saltus_branch_narrow(saltus_branch_options *o, const saltus_spec *spec,
+                                   char ends[2][2][SALTUS_REASON_MAX], saltus_message *message) {
+    const saltus_branch_options given = *o;
+    const int count = o->locus ? 2 : 1;
+    saltus_direction direction[2] = {{.clock = 0}, {.clock = 0}};
+    double origin[2] = {0};
+    bool starved = false;
+    for (int k = 0; k < count; k++)
+        saltus_spec_direction(spec, o->key[k], &direction[k], &origin[k], NULL);
+    for (int k = 0; k < count; k++)
+        for (int side = 0; side < 2; side++) {
+            const double *border = side ? given.high : given.low;
+            double amount[2] = {0};
+            saltus_message why = {.text = ""};
+            bool outside = true;
+            amount[k] = border[k] - origin[k];
+            for (int j = 0; j < 2 * count - 1 && outside; j++) {
+                amount[1 - k] = j == 0 ? 0 : (j == 1 ? given.low : given.high)[1 - k] - origin[1 - k];
+                outside = !exists(spec, direction, amount, &starved, &why);
+            }
+            snprintf(ends[k][side], SALTUS_REASON_MAX, "end of the parameter%s range",
+                     o->locus ? "s'" : "'s");
+            if (!outside)
+                continue;
+            (side ? o->high : o->low)[k] =
+                domain_end(spec, direction, k, origin[k], border[k], given.high[k] - given.low[k], &starved);
+            snprintf(ends[k][side], SALTUS_REASON_MAX, "end of the parameter's domain: %.120s", why.text);
+        }
+    return starved ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
 saltus_status saltus_branch_family(const saltus_spec *spec, const saltus_branch_options *o, int parameters,

@@ -258,7 +258,7 @@ static double special(saltus_rests *r, const double *u) {
 }
 
 /* The special equation of HB and LP has its gradient by central differences, which overwrite the other rows.
- */
+ * Where a parameter's domain ends in between, the value beyond is extrapolated from three on this side. */
 static saltus_status evaluate(void *self, const double *u, saltus_message *message) {
     const double apart = 1e-5;
     saltus_rests *r = self;
@@ -276,6 +276,11 @@ static saltus_status evaluate(void *self, const double *u, saltus_message *messa
             v[j] = u[j] + (k ? apart : -apart);
             side[k] = special(r, v);
         }
+        for (int k = 0; k < 2 && !force; k++)
+            if (!isfinite(side[k])) {
+                v[j] = u[j] + (k ? -2 : 2) * apart;
+                side[k] = 3 * (value - side[1 - k]) + special(r, v);
+            }
         v[j] = u[j];
         row[j] = (side[1] - side[0]) / (2 * apart);
         sound = isfinite(row[j]);

@@ -319,9 +319,9 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
         l->way = l->way_count; /* the other direction leads around the same curve */
         ends = "the curve is closed: it has come back";
     } else if (reached >= 0) {
-        const double low = trail->options->low[reached], high = trail->options->high[reached];
-        next->value[reached] = next->parameter[reached] == l->border[reached][1] ? high : low;
-        ends = "end of the parameters' range";
+        const bool upper = next->parameter[reached] == l->border[reached][1];
+        next->value[reached] = (upper ? trail->options->high : trail->options->low)[reached];
+        ends = trail->ends[reached][upper];
     }
     give(l, next, ends ? SALTUS_POINT_EP : r->special.kind, next->at.ahead, ends);
     if (!trail->following)

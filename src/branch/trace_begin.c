@@ -124,14 +124,15 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
 static void give_first(saltus_trace *t, const saltus_branch_start *start) {
     const saltus_branch_options *options = t->trail->options;
     const saltus_solution *here = t->here;
-    const double bound = start->heading > 0 ? t->range[1] : t->range[0];
+    const int side = start->heading > 0;
     saltus_trace_give(t, here, (saltus_notice){.accuracy = NAN});
     t->trail->regular = 1;
     for (int k = 0; k < options->value_count && t->trail->following; k++)
         if (options->values[k] == here->value)
             saltus_trace_give(t, here, (saltus_notice){.kind = SALTUS_POINT_UZ});
-    if (start->heading && here->parameter[0] == bound && t->trail->following)
-        saltus_trace_give(t, here, (saltus_notice){.kind = SALTUS_POINT_EP, .reason = saltus_range_ends});
+    if (start->heading && here->parameter[0] == t->range[side] && t->trail->following)
+        saltus_trace_give(t, here,
+                          (saltus_notice){.kind = SALTUS_POINT_EP, .reason = t->trail->ends[0][side]});
     t->first_value = here->value;
     saltus_solution_section(&t->orbits, here, here->survey.lap.points, &t->first);
 }

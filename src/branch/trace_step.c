@@ -16,8 +16,9 @@
 
 /* End the branch at a solution on a border of the range, with the exact value of the border. */
 static void end_at_border(saltus_trace *t, saltus_solution *s, double ahead) {
-    s->value = s->parameter[0] == t->range[1] ? t->trail->options->high[0] : t->trail->options->low[0];
-    saltus_trace_end(t, s, ahead, saltus_range_ends);
+    const bool upper = s->parameter[0] == t->range[1];
+    s->value = upper ? t->trail->options->high[0] : t->trail->options->low[0];
+    saltus_trace_end(t, s, ahead, t->trail->ends[0][upper]);
 }
 
 /* Whether a solution is so close to a border of the range that rounding hides the others up to there, as
@@ -27,18 +28,15 @@ static bool is_by_border(const saltus_trace *t, const saltus_solution *s) {
     return fmin(fabs(s->parameter[0] - t->range[0]), fabs(s->parameter[0] - t->range[1])) < close;
 }
 
-/* End the branch at such a solution. It gets the exact value of the border if the parameter may have it. */
+/* End the branch at such a solution, with the exact value of the border. */
 static bool end_by_border(saltus_trace *t, saltus_solution *s) {
-    const int side = s->parameter[0] > 0.5 * (t->range[0] + t->range[1]);
-    saltus_system *system = NULL;
-    if (!is_by_border(t, s))
-        return false;
-    const saltus_spec spec = saltus_family_spec(&t->orbits.family, &t->range[side], s->sequence.omega);
-    if (saltus_orbits_noted(&t->orbits, saltus_system_new(&spec, &system, NULL)) == SALTUS_OK)
-        s->value = side ? t->trail->options->high[0] : t->trail->options->low[0];
-    saltus_system_free(system);
-    saltus_trace_end(t, s, s->at.ahead, saltus_range_ends);
-    return true;
+    const bool upper = s->parameter[0] > 0.5 * (t->range[0] + t->range[1]);
+    const bool ends = is_by_border(t, s);
+    if (ends) {
+        s->value = upper ? t->trail->options->high[0] : t->trail->options->low[0];
+        saltus_trace_end(t, s, s->at.ahead, t->trail->ends[0][upper]);
+    }
+    return ends;
 }
 
 /* Keep the branches that leave at `at` for later. */

@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char saltus_range_ends[] = "end of the parameter's range";
-
 /* A special point that was given out. */
 typedef struct visited {
     saltus_point_kind kind;

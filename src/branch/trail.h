@@ -7,14 +7,14 @@
 #include "base/memory.h"
 #include "branch/archive.h"
 
-extern const char saltus_range_ends[]; /* a reason for a branch to end */
-
 typedef struct saltus_trail {
     const saltus_branch_options *options;
-    int number, parent, depth; /* of the branch under way */
-    int regular;               /* regular points of it so far */
-    int made;                  /* all points of it so far */
-    double arclength, shown;   /* present position; that of the last regular point */
+    char ends[2][2]
+             [SALTUS_REASON_MAX]; /* why a branch ends at a border of a parameter's range, 0 the low one */
+    int number, parent, depth;    /* of the branch under way */
+    int regular;                  /* regular points of it so far */
+    int made;                     /* all points of it so far */
+    double arclength, shown;      /* present position; that of the last regular point */
     double step;
     bool fresh;          /* no step made since the branch was switched to */
     bool following;      /* the branch has not ended */
