@@ -14,8 +14,8 @@
 
 enum { values_max = 256, narrow = 60 /* columns of a terminal */ };
 
-static const cli_option range =
-    CLI_OPTION("--in", CLI_TEXT, "key=lo:hi", "the parameter to continue in, and its range, which ends where scenes do");
+static const cli_option range = CLI_OPTION(
+    "--in", CLI_TEXT, "key=lo:hi", "the parameter to continue in, and its range, which ends where scenes do");
 static const cli_option second_range =
     CLI_OPTION("--and", CLI_TEXT, "key=lo:hi", "the second parameter of a locus");
 static const cli_option periods = CLI_NUMBER(
