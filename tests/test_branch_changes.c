@@ -776,6 +776,29 @@ static void ranges_end_where_scenes_do(void **unused) {
     }
 }
 
+/* Orbits of twice the period along which errors grow a million-fold or more cannot be followed with one
+ * segment: their branch ends and says so. */
+static void where_errors_grow_too_much(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {F: 0.261, omega: 0.216}\n"
+                               "  motion: {x: -0.26*x' + x - x^3 + F*cos(omega*t)}\n"
+                               "  forcing: omega\n"
+                               "stop: {coordinate: x, d: 0.917, r: 0.31, sides: both}\n"
+                               "initial: {x: 0.3}\n";
+    saltus_branch_options options = branch_along("F", 0.25, 1);
+    options.points = 120;
+    options.switches = 1;
+    branch_record record = run_from(text, "F=0.261", 0, NULL, &options);
+    int grow = 0;
+    for (int j = 0; j < record.count; j++) {
+        assert_null(strstr(record.point[j].reason, "Newton"));
+        grow += strstr(record.point[j].reason, "errors of the flow grow") != NULL;
+    }
+    assert_true(grow > 0);
+    branch_forget(&record);
+}
+
 /* Close to where a branch of orbits of twice the period begins, and another impact is about to be born, that
  * branch is not left for the shorter orbits, on which other branches leave. */
 static void doubled_orbits_near_the_end_of_a_run(void **unused) {
@@ -937,6 +960,7 @@ int main(void) {
         cmocka_unit_test(where_hardly_anything_rebounds),
         cmocka_unit_test(what_hardly_rebounds_chatters),
         cmocka_unit_test(ranges_end_where_scenes_do),
+        cmocka_unit_test(where_errors_grow_too_much),
         cmocka_unit_test(doubled_orbits_near_the_end_of_a_run),
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
         cmocka_unit_test(a_second_chatter_completes),

@@ -592,16 +592,24 @@ static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *re
 }
 
 /* No step could be made, for this reason. If Newton's method was left with a residual that may be rounding,
- * go on from the same orbit in more segments; otherwise the branch ends here or leaps over a change of
- * events. */
+ * or errors of the flow grow too much along the segments, go on from the same orbit in more of them;
+ * otherwise the branch ends here or leaps over a change of events. At the start of a branch that leaves
+ * another one the equations are singular, so that only its own segments give the tangent. */
 static void go_on_lost(saltus_trace *t, saltus_status reason, const char *why) {
+    const double visible = 1e-9;
     saltus_trail *trail = t->trail;
     const saltus_equations *e = t->orbits.equations;
-    if (reason == SALTUS_NO_CONVERGENCE && e->size < 1e3 * e->tolerance &&
+    const double growth = t->here->growth;
+    const bool rounds = growth * t->orbits.options.flow.rtol > visible;
+    char grows[SALTUS_REASON_MAX];
+    snprintf(grows, sizeof grows,
+             "errors of the flow grow %.1g-fold along it, so that the next orbit is not found", growth);
+    if (reason == SALTUS_NO_CONVERGENCE &&
+        (e->size < 1e3 * e->tolerance || (rounds && !(trail->fresh && trail->parent >= 0))) &&
         saltus_solution_refine(&t->orbits, t->here, t->trial, NULL))
         trail->step = trail->options->step;
     else if (!end_at_saddle(t, t->here, 0, true))
-        leap(t, 2 * trail->step, SALTUS_LEAP_LOST, why);
+        leap(t, 2 * trail->step, SALTUS_LEAP_LOST, reason == SALTUS_NO_CONVERGENCE && rounds ? grows : why);
 }
 
 /* The longest step from a solution. For a cycle the states at all cuts count in the arclength; scale the step
