@@ -172,19 +172,24 @@ static void held_until_the_force_vanishes(void **unused) {
     }
 }
 
-/* The way back: flights shrink to nothing and leave a permanent contact, with which the branch goes on. */
+/* The way back: flights shrink to nothing and leave a permanent contact, with which the branch goes on, also
+ * where a step ends on a flight so short that its impacts have no speed but rounding. */
 static void contacts_that_become_permanent(void **unused) {
     (void)unused;
     static const struct {
         const char *key;
-        double from, end, at, r;
-    } rows[] = {
-        {"F", 1.1, 0.1, 1, 0.5}, {"d", 1, 0.1, 0.9, 0.5}, {"k", 1, 0.3, 0.9, 0.5}, {"F", 1.1, 0.1, 1, 0}};
-    for (int row = 0; row < 4; row++) {
+        double from, end, at, r, high, step;
+    } rows[] = {{"F", 1.1, 0.1, 1, 0.5, 1.2, 0.02},
+                {"d", 1, 0.1, 0.9, 0.5, 1.2, 0.02},
+                {"k", 1, 0.3, 0.9, 0.5, 1.2, 0.02},
+                {"F", 1.1, 0.1, 1, 0, 1.2, 0.02},
+                {"F", 1.1, 0.1, 1, 0.5, 3, 0.01}};
+    for (int row = 0; row < 5; row++) {
         saltus_spec spec = oscillator_spec(0.1, 1, 1.1, 1);
         set_parameter(&spec, "F0", 2);
         add_stop(&spec, 1, rows[row].r, SALTUS_UPPER);
-        saltus_branch_options options = branch_along(rows[row].key, rows[row].end, 1.2);
+        saltus_branch_options options = branch_along(rows[row].key, rows[row].end, rows[row].high);
+        options.step_max = rows[row].step;
         options.direction = -1;
         branch_record record = branch_run_settled(&spec, &options, rows[row].r > 0 ? "chatter/1" : "1/1");
         recount_run(&record, &options, 5);

@@ -318,6 +318,21 @@ static bool ends_run(const saltus_solution *s) {
     return false;
 }
 
+/* Whether the impact that has lost its speed ends a short flight that began with a release: then the flight
+ * is about to vanish, and the contacts before and after it to become one. */
+static bool ends_flight(const saltus_solution *s) {
+    const double near = 1e-3;
+    const saltus_sequence *sequence = &s->sequence;
+    bool ends = false;
+    for (int k = 0; k < sequence->count && s->worst.kind == SALTUS_BREACH_SPEED && !ends; k++) {
+        const saltus_mark *mark = &sequence->mark[k];
+        const double after = s->worst.time - mark->time;
+        ends = mark->kind == SALTUS_RELEASE && mark->face == s->worst.face &&
+               after - sequence->periods * floor(after / sequence->periods) < near;
+    }
+    return ends;
+}
+
 void saltus_trace_leave_grazing(saltus_trace *t) {
     saltus_hopf_ahead hopf;
     saltus_cycle_seek_hopf(&t->orbits, t->here, t->next, t->other, t->trial, &hopf);
@@ -346,6 +361,11 @@ static void graze(saltus_trace *t, double accuracy) {
     if (change.kind == SALTUS_POINT_EP && !joins && (!change.reason || ends_run(at))) {
         saltus_orbits_reshape(o, t->here);
         leap(t, 2 * at->at.ahead, SALTUS_LEAP_RUN, "grazings follow one another ever more closely");
+        return;
+    }
+    if (change.kind == SALTUS_POINT_EP && !joins && ends_flight(at)) {
+        saltus_orbits_reshape(o, t->here);
+        leap(t, 2 * at->at.ahead, SALTUS_LEAP_EVENTS, "the contact changes");
         return;
     }
     if (t->trail->options->locus == SALTUS_POINT_GR && !joins && !saltus_change_in_family(o, at, &doubled)) {
