@@ -290,6 +290,31 @@ static void what_tells_no_motion_is_refused(void **state) {
     }
 }
 
+/* Near a saddle errors grow so much that an orbit's state does not lead back to it: then no other orbit is
+ * taken for it. */
+static void another_orbit_is_no_start(void **state) {
+    static const char *const lines[] = {"orbit well.yaml --from w.h5:EP1",
+                                        "continue well.yaml --from w.h5:EP1 --in F=0.3:0.4 -o x.h5",
+                                        "simulate well.yaml --from w.h5:EP1 --periods 1 -o x.h5"};
+    put_text(*state, "well.yaml",
+             "model:\n"
+             "  parameters: {F: 0.339, omega: 0.695}\n"
+             "  motion: {x: -0.16*x' + x - x^3 + F*cos(omega*t)}\n"
+             "  forcing: omega\n"
+             "stop: {coordinate: x, d: 1.271, r: 0.71, sides: both}\n"
+             "initial: {x: 0.3}\n");
+    free(told(*state, "continue well.yaml --in omega=0.09:0.8 --direction down -o w.h5 --quiet"));
+    free(told(*state, "orbit well.yaml --from w.h5:20"));
+    for (int k = 0; k < 3; k++) {
+        int status = run(*state, lines[k]);
+        char *err = said(*state, "err");
+        if (status != 2 || !strstr(err, "w.h5:EP1: the orbit is not found again, but another one"))
+            fail_msg("%s: exit status %d, stderr '%s'", lines[k], status, err);
+        assert_int_not_equal(access(path_in(*state, "x.h5"), F_OK), 0);
+        free(err);
+    }
+}
+
 int main(void) {
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     const struct CMUnitTest tests[] = {
@@ -301,6 +326,7 @@ int main(void) {
         cmocka_unit_test(rows_and_cells_are_orbits),
         cmocka_unit_test(any_row_is_a_start),
         cmocka_unit_test(what_tells_no_motion_is_refused),
+        cmocka_unit_test(another_orbit_is_no_start),
     };
     return cmocka_run_group_tests(tests, prepare, close_fixture);
 }

@@ -492,6 +492,22 @@ bool cli_on_orbit(const cli_setup *setup) {
     return setup->start.periods > 0 || setup->start.rests;
 }
 
+saltus_status cli_same_orbit(const cli_request *request, const cli_setup *setup, const double *found,
+                             saltus_message *message) {
+    const double another = 1e-3;
+    const saltus_start *start = &setup->start;
+    const bool known = cli_given(request, "--from") && start->dimension > 0 && start->periods > 0 &&
+                       !start->own_period && saltus_spec_equal(&start->spec, &setup->scene.spec);
+    const double apart = known ? saltus_system_distance(setup->system, start->state, found) : 0;
+    return apart < another
+               ? SALTUS_OK
+               : saltus_fail(
+                     message, SALTUS_BAD_INPUT,
+                     "--from %.200s: the orbit is not found again, but another one, %.2g of the state's "
+                     "scale away: errors of the flow grow too much along it",
+                     cli_text(request, "--from"), apart);
+}
+
 saltus_status cli_motion(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
                          saltus_motion *motion, saltus_message *message) {
     const saltus_start *start = &setup->start;
@@ -519,8 +535,11 @@ saltus_status cli_motion(const cli_request *request, cli_setup *setup, const sal
             status = SALTUS_BAD_INPUT;
         saltus_fail(message, status, "--from %.200s: is no %s%s here: %.200s", cli_text(request, "--from"),
                     start->rests ? "equilibrium" : "orbit", period, reason.text);
-    } else if (period[0])
-        status = saltus_motion_describe(setup->system, &orbit, how, motion, message);
+    } else if (period[0]) {
+        status = cli_same_orbit(request, setup, orbit.state, message);
+        if (status == SALTUS_OK)
+            status = saltus_motion_describe(setup->system, &orbit, how, motion, message);
+    }
     saltus_orbit_clear(&orbit);
     if (status != SALTUS_OK || motion->trivial_multiplier == 0)
         return status;

@@ -189,6 +189,10 @@ int cli_build(const cli_request *request, cli_setup *setup);
 void cli_clear(cli_setup *setup);
 /* Whether --from names a periodic orbit or an equilibrium. */
 bool cli_on_orbit(const cli_setup *setup);
+/* Whether the orbit found at this state is the one that --from names. At other parameters than its own, and
+ * without forcing, any is. Errors: SALTUS_BAD_INPUT. */
+saltus_status cli_same_orbit(const cli_request *request, const cli_setup *setup, const double *found,
+                             saltus_message *message);
 /* The motion that a command works on, to be cleared: the periodic orbit or the equilibrium of --from, stable
  * or not, recomputed at the present parameters; without one, the motion that the start settles on. Errors:
  * those of saltus_orbit_find (SALTUS_BAD_INPUT if the start is no orbit) and of saltus_classify. If the orbit

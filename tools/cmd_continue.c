@@ -194,8 +194,12 @@ static saltus_status follow(run_state *run, saltus_message *message) {
     double *numbers;
     int count;
     while ((status = saltus_branch_step(run->branch, &point, message)) == SALTUS_OK && point) {
-        tell(run, point);
-        status = saltus_branch_output_add(run->output, point, message);
+        if (!run->rows && !run->options.locus)
+            status = cli_same_orbit(run->request, &run->setup, point->state, message);
+        if (status == SALTUS_OK) {
+            tell(run, point);
+            status = saltus_branch_output_add(run->output, point, message);
+        }
         if (status == SALTUS_OK)
             status = saltus_branch_save(run->branch, &numbers, &count, message);
         if (status == SALTUS_OK)

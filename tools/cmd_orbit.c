@@ -102,7 +102,11 @@ static saltus_status find_orbits(const cli_request *request, cli_setup *setup, c
         status = saltus_motion_cycle(setup->system, state, &describing, &motion, message);
     else if (!forced)
         status = saltus_motion_returning(setup->system, state, periods, &describing, &motion, message);
-    else if ((status = saltus_orbit_find(setup->system, periods, state, &how, &orbit, message)) == SALTUS_OK)
+    else
+        status = saltus_orbit_find(setup->system, periods, state, &how, &orbit, message);
+    if (status == SALTUS_OK && orbit.state)
+        status = cli_same_orbit(request, setup, orbit.state, message);
+    if (status == SALTUS_OK && orbit.state)
         status = saltus_motion_describe(setup->system, &orbit, &describing, &motion, message);
     if (status == SALTUS_OK && periods)
         cli_print_motion(request, setup, &motion);
