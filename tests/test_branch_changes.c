@@ -441,8 +441,9 @@ static void branches_leave_chatter_nearby(void **unused) {
  * the orbit touches elsewhere, places where the equations are singular, branches that turn so sharply where
  * they begin that a long step would lead to other orbits of the same events, branches that turn sharply
  * beside one another, a fold just before a branch turns back into itself and none where it only does so,
- * also if a step ends there, steps that would leap to other orbits across what looks like a branch point, and
- * a torus on the same step as two real multipliers with the product 1. */
+ * also if a step ends there, steps that would leap to other orbits across what looks like a branch point, a
+ * torus on the same step as two real multipliers with the product 1, and a flip and its reverse on one step.
+ */
 static void steps_do_not_matter(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -902,6 +903,30 @@ static void a_torus_before_grazing(void **unused) {
     branch_forget(&record);
 }
 
+/* Towards grazing a pair leaves the unit circle, turns real, and a real one times another passes 1, all
+ * within a small part of the step. */
+static void a_pair_turns_real_before_grazing(void **unused) {
+    (void)unused;
+    static const char rods[] = "model:\n"
+                               "  parameters: {z1: 0.0571, p2: -1.397, omega: 0.8606}\n"
+                               "  motion:\n"
+                               "    a: -2*z1*a' - a - 0.3*a^3 + 0.5679*cos(omega*t)\n"
+                               "    b: -0.627*b' - 39.3129*b + 0.28395*cos(omega*t)\n"
+                               "  forcing: omega\n"
+                               "stop: {coordinate: a - p2*b, d: 0.4383, r: 0.5692, sides: upper}\n";
+    saltus_branch_options options = branch_along("p2", -2.0168, -0.89859);
+    options.direction = 1;
+    options.points = 22;
+    branch_record record = run_from(rods, "p2=-1.397", 0, NULL, &options);
+    const saltus_branch_point *torus = NULL;
+    for (int k = 0; k < record.count; k++)
+        if (strcmp(record.point[k].label, "17/1") == 0 && record.point[k].kind == SALTUS_POINT_NS)
+            torus = &record.point[k];
+    assert_non_null(torus);
+    check_near(torus->value[0], -1.293340432318, 1e-11);
+    branch_forget(&record);
+}
+
 /* Where the search for a fold leads to the other one of two branches that join, there is none. */
 static void no_fold_is_on_the_other_branch(void **unused) {
     (void)unused;
@@ -966,6 +991,7 @@ int main(void) {
         cmocka_unit_test(a_second_chatter_completes),
         cmocka_unit_test(tori_between_the_grazings_of_a_run),
         cmocka_unit_test(a_torus_before_grazing),
+        cmocka_unit_test(a_pair_turns_real_before_grazing),
         cmocka_unit_test(no_fold_is_on_the_other_branch),
         cmocka_unit_test(nothing_is_named_within_rounding),
     };

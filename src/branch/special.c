@@ -108,7 +108,7 @@ static bool look(saltus_orbits *o, const saltus_solution *from, double ahead, sa
            saltus_orbits_noted(o, saltus_solution_survey(o, scratch, NULL)) == SALTUS_OK;
 }
 
-enum { places_max = 12, tested_max = 8 };
+enum { places_max = 32, tested_max = 8 };
 
 /* Insert a place between the first and the last one, unless the curve is not reached there, or there is no
  * more room. Returns the new number. */
@@ -124,16 +124,30 @@ static int insert(saltus_orbits *o, const saltus_solution *from, double ahead, u
     return known + 1;
 }
 
+/* How many multipliers may cross the unit circle at zeros of tests between two places; a test that is hidden
+ * at one of them may have a zero. */
+static int crossings_between(const place *a, const place *b) {
+    int count = 0;
+    for (int test = 0; test <= SALTUS_TEST_PAIR; test++) {
+        const double before = a->value[test], after = b->value[test];
+        if (isnan(before) || isnan(after) || saltus_test_crosses(before, after))
+            count += test == SALTUS_TEST_PAIR ? 2 : 1;
+    }
+    return count;
+}
+
 /* Where two multipliers cross the unit circle, places in between: two flips are two zeros of one test, and so
- * may be a torus and a place where two real multipliers have the product 1. */
+ * may be a torus and a place where two real multipliers have the product 1. Towards grazing, where
+ * multipliers grow without bound, these may be close to each other compared with the step. */
 static int part_crossings(saltus_orbits *o, const saltus_solution *from, saltus_solution *scratch,
                           place *places, int known) {
-    const double least = 0.05 * places[known - 1].ahead;
+    const double coarse = 0.05 * places[known - 1].ahead, fine = 1e-6 * places[known - 1].ahead;
     for (int k = 1; k < known;) {
         const double width = places[k].ahead - places[k - 1].ahead;
-        const int before = known;
+        const int before = known, change = abs(places[k].outside - places[k - 1].outside);
         const bool told = places[k - 1].outside >= 0 && places[k].outside >= 0;
-        if (told && abs(places[k].outside - places[k - 1].outside) > 1 && width > least)
+        const bool lacks = change > crossings_between(&places[k - 1], &places[k]);
+        if (told && change > 1 && width > (lacks ? fine : coarse))
             known = insert(o, from, places[k].ahead - 0.5 * width, 0, scratch, places, known);
         k += known == before;
     }
@@ -194,7 +208,7 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
     /* At grazing all multipliers but one may be lost in rounding: how many are outside an orbit before tells.
      */
     if (places[known - 1].outside < 0)
-        known = insert(o, from, (1 - just) * to->at.ahead, ~0u, scratch, places, known);
+        known = insert(o, from, (1 - just) * to->at.ahead, ~(1u << SALTUS_TEST_PAIR), scratch, places, known);
     const int kind_count = stays_on_circle(from, to) ? 3 : 4;
     for (int pass = 0; pass < 2; pass++) {
         known = part_crossings(o, from, scratch, places, known);
