@@ -183,7 +183,11 @@ static void archive_survey(saltus_archive *a, saltus_survey *survey) {
     saltus_archive_real(a, &survey->trivial);
     saltus_archive_real(a, &survey->log_volume);
     saltus_archive_real(a, &survey->sum_rule);
-    saltus_archive_real(a, &survey->pair);
+    for (int k = 0; k < 3; k++) {
+        saltus_archive_real(a, &survey->circle[k]);
+        saltus_archive_real(a, &survey->past[k]);
+    }
+    saltus_archive_real(a, &survey->past_place);
     lap->keeps_events = true;
     lap->periods = (int)saltus_archive_whole(a, lap->periods, 0, periods_max);
     lap->contact_events = saltus_archive_whole(a, lap->contact_events, 0, 1LL << 50);

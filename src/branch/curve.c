@@ -429,6 +429,16 @@ double saltus_curve_next_step(double step, int iterations, double largest) {
     return fmin(factor * step, largest);
 }
 
+bool saltus_curve_dips(const double place[3], const double value[3], double deep, double *lowest) {
+    const double first = (value[1] - value[0]) / (place[1] - place[0]),
+                 second = (value[2] - value[1]) / (place[2] - place[1]),
+                 bend = (second - first) / (place[2] - place[0]), reach = bend * (place[2] - place[1]);
+    const double side = value[1] > 0 ? 1 : -1, least = fmin(side * value[1], side * value[2]);
+    const bool turns = least > 0 && side * (second - reach) < 0 && side * (second + reach) > 0;
+    *lowest = turns ? place[1] - (second - reach) / (2 * bend) : NAN;
+    return turns && side * value[1] - (second - reach) * (second - reach) / (4 * fabs(bend)) < deep * least;
+}
+
 /* The search for a zero. */
 typedef struct search {
     saltus_curve_function *function;

@@ -85,6 +85,11 @@ double saltus_curve_next_step(double step, int iterations, double largest);
 /* The value at x = 0 of the polynomial through (x_k, y_k), count <= 8 (Neville). */
 double saltus_curve_interpolate(const double *x, const double *y, int count);
 
+/* Whether a function may cross zero between the last two of three places and come back: the parabola through
+ * the three values has its minimum (for positive values) there, below a fraction `deep` of the values;
+ * *lowest is its place. */
+bool saltus_curve_dips(const double place[3], const double value[3], double deep, double *lowest);
+
 /* The unit tangent `leaving` of the other of two curves that cross at u, where the second-order terms of the
  * equations, projected on their left null vector, vanish along two directions in the null plane (Keller,
  * 1977): `along`, the first one's tangent, and that. *singular (may be NULL): the singular value that is zero

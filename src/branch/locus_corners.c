@@ -49,17 +49,6 @@ static bool append(search *s, const sample *own) {
     return fresh;
 }
 
-/* Whether a function may cross zero between the last two of three places and come back: the parabola through
- * the three values has its minimum (for positive values) there, below a fraction `deep` of the values. */
-static bool may_dip(const double place[3], const double value[3], double deep) {
-    const double first = (value[1] - value[0]) / (place[1] - place[0]),
-                 second = (value[2] - value[1]) / (place[2] - place[1]),
-                 bend = (second - first) / (place[2] - place[0]), reach = bend * (place[2] - place[1]);
-    const double side = value[1] > 0 ? 1 : -1, least = fmin(side * value[1], side * value[2]);
-    const bool turns = least > 0 && side * (second - reach) < 0 && side * (second + reach) > 0;
-    return turns && side * value[1] - (second - reach) * (second - reach) / (4 * fabs(bend)) < deep * least;
-}
-
 /* Whether a function is only rounding at both ends of the step; in between a zero may make it fall below
  * that. */
 static bool is_quiet(const search *s, int k) {
@@ -73,6 +62,7 @@ static bool may_hide(const search *s, const sample *end, bool sure) {
     const saltus_locus_point *here = s->here;
     const sample *begin = last_sample(s, 0), *last = s->samples.count > 1 ? last_sample(s, 1) : NULL;
     const double place[] = {last ? last->place : here->before_place, begin->place, end->place};
+    double lowest;
     bool hides = false;
     for (int k = 0; k < here->corner_count && !hides; k++) {
         const saltus_locus_test *near = &begin->corners[k], *far = &end->corners[k];
@@ -82,7 +72,7 @@ static bool may_hide(const search *s, const sample *end, bool sure) {
                                 saltus_scaled_in(far->value, exponent)};
         if (near->breach || is_quiet(s, k))
             continue;
-        hides = place[0] < place[1] && may_dip(place, value, sure ? 0 : 0.8);
+        hides = place[0] < place[1] && saltus_curve_dips(place, value, sure ? 0 : 0.8, &lowest);
         if (s->x->kind == SALTUS_POINT_GR && !sure)
             hides = hides || value[1] * value[2] < 0 || saltus_corner_hides(near, far);
     }

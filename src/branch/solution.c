@@ -10,6 +10,7 @@
 #include "orbit/poincare.h"
 #include "orbit/sequence.h"
 
+#include <complex.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -134,7 +135,9 @@ saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_m
     }
     s->survey.follows = s->survey.walked = false;
     s->survey.label[0] = 0;
-    s->survey.pair = NAN;
+    s->survey.past_place = 0;
+    for (int k = 0; k < 3; k++)
+        s->survey.circle[k] = NAN;
     return SALTUS_OK;
 }
 
@@ -301,17 +304,18 @@ void saltus_solution_label(saltus_orbits *o, const saltus_solution *s, char labe
     saltus_lap_close(&lap);
 }
 
-static double pair_product(const saltus_multiplier *mu, int n) {
-    double re = 1, im = 0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < i; j++) {
-            double a = mu[i].re * mu[j].re - mu[i].im * mu[j].im - 1;
-            double c = mu[i].re * mu[j].im + mu[i].im * mu[j].re;
-            double next = re * a - im * c;
-            im = re * c + im * a;
-            re = next;
-        }
-    return re;
+/* See saltus_survey. */
+static void circle_products(const saltus_multiplier *mu, int n, double circle[3]) {
+    double complex product[] = {1, 1, 1};
+    for (int i = 0; i < n; i++) {
+        const double complex own = CMPLX(mu[i].re, mu[i].im);
+        product[0] *= 1 - own;
+        product[1] *= 1 + own;
+        for (int j = 0; j < i; j++)
+            product[2] *= own * CMPLX(mu[j].re, mu[j].im) - 1;
+    }
+    for (int k = 0; k < 3; k++)
+        circle[k] = creal(product[k]);
 }
 
 saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
@@ -322,14 +326,15 @@ saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltu
     survey->trivial = 0;
     for (int i = 0; i < o->n; i++)
         survey->multipliers[i] = (saltus_multiplier){NAN, NAN, NAN};
-    survey->log_volume = survey->sum_rule = survey->pair = NAN;
+    circle_products(survey->multipliers, o->n, survey->circle);
+    survey->log_volume = survey->sum_rule = NAN;
     if (status != SALTUS_OK || !survey->walked)
         return status;
     status = saltus_cocycle_solve(cocycle, survey->multipliers, &survey->multiplier_count, &survey->trivial,
                                   &survey->log_volume, NULL);
     survey->sum_rule = cocycle->sum_rule;
     survey->unstable = saltus_multipliers_unstable(survey->multipliers, survey->multiplier_count);
-    survey->pair = pair_product(survey->multipliers, survey->multiplier_count);
+    circle_products(survey->multipliers, survey->multiplier_count, survey->circle);
     return saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
@@ -408,7 +413,7 @@ double saltus_test_value(saltus_test test, double target, const saltus_solution 
     case SALTUS_TEST_CROSSING:
         return saltus_scaled_in(s->at.crossing, from->at.crossing.exponent);
     case SALTUS_TEST_PAIR:
-        return s->survey.pair;
+        return s->survey.circle[2];
     case SALTUS_TEST_BREACH:
         /* A step begins on the admissible side; an impact of zero speed was just inserted or removed. */
         return s == from ? fmin(s->worst.value, -1e-300) : s->worst.value;

@@ -10,6 +10,7 @@
 #include "system/system.h"
 
 #include <math.h>
+#include <string.h>
 
 /* What the event-driven flow says of an orbit of a prescribed sequence. */
 typedef struct saltus_survey {
@@ -23,8 +24,9 @@ typedef struct saltus_survey {
     int multiplier_count, unstable;                  /* of them */
     double trivial; /* trivial multiplier, along the flow, if the period is an unknown */
     double log_volume, sum_rule;
-    double pair; /* product of mu_i mu_j - 1 over all pairs of multipliers: zero where a pair is on the unit
-                    circle */
+    double circle[3]; /* products of 1 - mu_i and 1 + mu_i over all multipliers, and of mu_i mu_j - 1 over all
+                         pairs of them: zero where a multiplier is 1 or -1, or a pair is on the unit circle */
+    double past[3], past_place; /* the same at a previous point, and its arclength from here; 0: not known */
 } saltus_survey;
 
 /* A point of the curve: an orbit. */
@@ -119,6 +121,11 @@ void saltus_solution_label(saltus_orbits *orbits, const saltus_solution *solutio
 /* Walk, and compute the multipliers on the way. */
 saltus_status saltus_solution_survey(saltus_orbits *orbits, saltus_solution *solution,
                                      saltus_message *message);
+/* Note what a survey tells of the point before, at arclength `place` from its own. */
+static inline void saltus_survey_follow(saltus_survey *survey, const saltus_survey *past, double place) {
+    memcpy(survey->past, past->circle, sizeof survey->past);
+    survey->past_place = place;
+}
 /* The speeds towards the stop of the impacts among the marks; 0 for other marks. */
 void saltus_solution_speeds(const saltus_orbits *orbits, const saltus_solution *solution, double *speed);
 /* The state at `time`, from one orbit before the solution's base to one after it, through the prescribed

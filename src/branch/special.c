@@ -154,6 +154,56 @@ static int part_crossings(saltus_orbits *o, const saltus_solution *from, saltus_
     return known;
 }
 
+/* A value that has changed its sign between two others may be rounding, as where a pair of multipliers of
+ * orbits without damping meets at -1 and both go on along the circle. */
+static void hide_rounding(place *places, int known, double ahead) {
+    const double rounding = 1e-9;
+    for (int k = 1; k + 1 < known; k++)
+        for (int test = 0; test <= SALTUS_TEST_PAIR && places[k].ahead == ahead; test++) {
+            const double size = fmin(fabs(places[k - 1].value[test]), fabs(places[k + 1].value[test]));
+            if (fabs(places[k].value[test]) < rounding * size)
+                places[k].value[test] = NAN;
+        }
+}
+
+/* Two multipliers may cross the unit circle, or one may cross it and come back, so that neither their number
+ * outside nor the signs of tests tell. The products of saltus_survey fall towards zero there: places where
+ * the parabolas through their values, also at the point before the step, are lowest. Where curves cross, and
+ * a branch may turn back into itself, that would be the crossing. */
+static int part_dips(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
+                     int product_count, saltus_solution *scratch, place *places, int known) {
+    enum { most = 6 };
+    const double deep = 0.8;
+    const saltus_survey *at[] = {&from->survey, &to->survey};
+    double ahead[most + 3] = {from->survey.past_place, 0, to->at.ahead}, value[3][most + 3], lowest;
+    const bool crosses = saltus_test_crosses(places[0].value[SALTUS_TEST_CROSSING],
+                                             places[known - 1].value[SALTUS_TEST_CROSSING]);
+    int count = from->survey.past_place < 0 && !crosses ? 3 : 0;
+    for (int f = 0; f < 3; f++) {
+        value[f][0] = from->survey.past[f];
+        for (int k = 0; k < 2; k++)
+            value[f][k + 1] = at[k]->circle[f];
+    }
+    for (int k = 0; k + 2 < count;) {
+        const int before = known;
+        bool dips = false;
+        for (int f = 0; f < product_count && !dips && count < most + 3; f++)
+            dips = saltus_curve_dips(ahead + k, value[f] + k, deep, &lowest);
+        if (dips)
+            known = insert(o, from, lowest, 0, scratch, places, known);
+        if (known > before) {
+            hide_rounding(places, known, lowest);
+            for (int j = count++; j > k + 1; j--) {
+                ahead[j] = j == k + 2 ? lowest : ahead[j - 1];
+                for (int f = 0; f < 3; f++)
+                    value[f][j] = j == k + 2 ? scratch->survey.circle[f] : value[f][j - 1];
+            }
+        }
+        k += known == before;
+    }
+    return known;
+}
+
 /* Where a branch turns back into itself at `ahead`, a fold beyond is the image of one before, and so is the
  * end of the step of an orbit before: a place between that and the crossing. `early`: this close to it
  * the tangent is rounding. */
@@ -210,6 +260,7 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
     if (places[known - 1].outside < 0)
         known = insert(o, from, (1 - just) * to->at.ahead, ~(1u << SALTUS_TEST_PAIR), scratch, places, known);
     const int kind_count = stays_on_circle(from, to) ? 3 : 4;
+    known = part_dips(o, from, to, kind_count - 1, scratch, places, known);
     for (int pass = 0; pass < 2; pass++) {
         known = part_crossings(o, from, scratch, places, known);
         for (int k = 0; k < kind_count; k++) {
