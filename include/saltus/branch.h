@@ -86,11 +86,11 @@ typedef struct saltus_branch_point {
      * the real part as log_modulus too. */
     saltus_multiplier *multipliers; /* unresolved if many are far below 1e-40 (nine modes or more) */
     int multiplier_count; /* dimension; one less for an orbit with a period of its own; at an equilibrium two
-                             less for each contact that holds */
+                             less for each contact that holds; 0: not known */
     double trivial_multiplier; /* of an orbit with a period of its own: the multiplier along the flow, 1 up to
                                   errors; otherwise 0 */
-    int unstable; /* number of multipliers not inside the unit circle (saltus_multipliers_unstable), or of
-                     eigenvalues with positive real part */
+    int unstable; /* number of multipliers not inside the unit circle (saltus_multipliers_unstable; -1: not
+                     known), or of eigenvalues with positive real part */
     bool stable;  /* false at LP, PD, NS, BP and HB, where a multiplier or eigenvalue is critical */
     /* HB of equilibria: first Lyapunov coefficient in Kuznetsov's normalisation (eigenvector of unit length).
      * Negative: the critical pair does not destabilise the cycles born there. NAN elsewhere. */

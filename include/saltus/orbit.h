@@ -11,15 +11,15 @@ enum { SALTUS_LABEL_MAX = 32 };
 
 /* A Floquet multiplier. If it is far below rounding, its logarithm still has its size. */
 typedef struct saltus_multiplier {
-    double re, im;
-    double log_modulus; /* natural logarithm of the modulus; -INFINITY: exactly zero (sticking); NAN: too
-                           small to be resolved (re = im = 0) */
+    double re, im;      /* NAN: not known */
+    double log_modulus; /* natural logarithm of the modulus; -INFINITY: exactly zero (sticking); NAN: not
+                           known, or not resolved, but below 1e-10 (re = im = 0) */
 } saltus_multiplier;
 
 /* Whether all multipliers are known and inside the unit circle, by more than the accuracy of their
  * logarithms, 1e-10. Multipliers too small to be resolved count as inside. */
 bool saltus_multipliers_stable(const saltus_multiplier *multipliers, int count);
-/* The number of multipliers that are not inside. */
+/* The number of multipliers that are not inside; -1 if some, or all (count 0), are not known. */
 int saltus_multipliers_unstable(const saltus_multiplier *multipliers, int count);
 
 typedef struct saltus_orbit_options {
@@ -51,8 +51,8 @@ typedef struct saltus_orbit {
     double residual; /* max |x(pT) - x(0)| / scale after the last iteration */
     int iterations;  /* Newton steps made, over all formulations */
     bool sticks; /* the orbit has lasting contacts: zero multipliers are exact, the sum rule does not apply */
-    double log_volume; /* sum of the multipliers' log moduli, from the orthogonalised tangent flow; NAN if
-                          some are too small to be resolved */
+    double log_volume; /* sum of the multipliers' log moduli, from the orthogonalised tangent flow; NAN if it
+                          does not resolve some: if it is one, that multiplier is found by the sum rule */
     double sum_rule; /* the same from the trace of the Jacobian and the restitutions (model.md, section 1) */
 } saltus_orbit;
 

@@ -179,7 +179,7 @@ static void archive_survey(saltus_archive *a, saltus_survey *survey) {
         saltus_archive_real(a, &survey->multipliers[i].log_modulus);
     }
     survey->multiplier_count = (int)saltus_archive_whole(a, survey->multiplier_count, 0, a->n);
-    survey->unstable = (int)saltus_archive_whole(a, survey->unstable, 0, a->n);
+    survey->unstable = (int)saltus_archive_whole(a, survey->unstable, -1, a->n);
     saltus_archive_real(a, &survey->trivial);
     saltus_archive_real(a, &survey->log_volume);
     saltus_archive_real(a, &survey->sum_rule);

@@ -222,9 +222,7 @@ bool saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescrib
     point->iterations = s->at.iterations;
     point->log_volume = survey->log_volume;
     point->sum_rule = survey->sum_rule;
-    for (int k = 0; k < o->n; k++)
-        point->multipliers[k] =
-            k < point->multiplier_count ? survey->multipliers[k] : (saltus_multiplier){0, 0, NAN};
+    memcpy(point->multipliers, survey->multipliers, (size_t)o->n * sizeof *point->multipliers);
     /* If chatter is left to the flow the prescribed path may not lead to the section: then take the flow's
      * state nearby. */
     if (found || saltus_solution_state_at(o, s, section, point->state, NULL) != SALTUS_OK)

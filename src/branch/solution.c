@@ -200,7 +200,7 @@ static saltus_status walk(saltus_orbits *o, const saltus_sequence *sequence, con
                           saltus_cocycle *cocycle, bool given, saltus_lap *lap, saltus_message *message) {
     saltus_status status = SALTUS_OK;
     if (given)
-        cocycle->sum_rule = cocycle->zeros = 0;
+        cocycle->sum_rule = cocycle->zeros = cocycle->mirrored = 0;
     else if (cocycle)
         status = saltus_cocycle_open(cocycle, o->system, sequence->periods, sequence->omega > 0, message);
     return status == SALTUS_OK ? saltus_sequence_walk(sequence, cocycle && !given ? o->tangent : o->flow,
@@ -322,7 +322,8 @@ saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltu
     saltus_survey *survey = &s->survey;
     saltus_cocycle *cocycle = &o->cocycle;
     saltus_status status = go_around(o, s, cocycle, message);
-    survey->unstable = survey->multiplier_count = 0;
+    survey->unstable = -1;
+    survey->multiplier_count = 0;
     survey->trivial = 0;
     for (int i = 0; i < o->n; i++)
         survey->multipliers[i] = (saltus_multiplier){NAN, NAN, NAN};
@@ -330,6 +331,9 @@ saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltu
     survey->log_volume = survey->sum_rule = NAN;
     if (status != SALTUS_OK || !survey->walked)
         return status;
+    /* Where the flow leaves the orbit that gave the matrices, its sum rule is that of another one. */
+    if (cocycle->given && !survey->follows)
+        cocycle->sum_rule = NAN;
     status = saltus_cocycle_solve(cocycle, survey->multipliers, &survey->multiplier_count, &survey->trivial,
                                   &survey->log_volume, NULL);
     survey->sum_rule = cocycle->sum_rule;

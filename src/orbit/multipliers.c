@@ -13,6 +13,9 @@
  * segments' ends whose first vector is along f, every segment is block triangular, (t *; 0 B): the product of
  * the t is 1 up to errors, and the B contain the other multipliers.
  *
+ * An impact of speed v has a singular value in proportion to 1 / v, and another one to v. So segments end
+ * after slow impacts; and if errors hide only the last direction, the sum rule gives its multiplier.
+ *
  * A lasting contact takes two dimensions away, hence two multipliers are exact zeros.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/multipliers.h"
@@ -23,6 +26,7 @@
 #include "flow/flow.h"
 #include "orbit/volume.h"
 
+#include <float.h>
 #include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
@@ -30,9 +34,15 @@
 
 /* Subspaces that a cycle couples by less than this are separate. */
 static const double separate = 1e-12;
-/* A direction whose growth over a segment is below this fraction of the largest growth is lost in the errors
- * of the tangent vectors, 1e-13 of their length. */
-static const double weakest_growth = 1e-10;
+/* Errors of the tangent vectors, as a fraction of their length, and the fraction of a segment's largest
+ * growth below which that of a direction is lost in them. */
+static const double tangent_error = 1e-13, weakest_growth = 1e-10;
+/* A segment ends after an impact when tangent vectors have grown this much: their errors hide directions that
+ * have not. The last direction of all is then found more accurately by the sum rule if its growth is below
+ * `weakest_grown` of the largest. */
+static const double grown = 30, weakest_grown = 1e-7;
+/* Multipliers below this modulus may stay unresolved. */
+static const double negligible = 1e-10;
 
 /* Segments per period that suffice for the leading multipliers; most memory for segments. */
 enum { coarse = 4, bytes_max = 1 << 22 };
@@ -57,6 +67,7 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
     cocycle->periods = periods;
     cocycle->scale = saltus_system_scale(system);
     cocycle->sum_rule = 0;
+    cocycle->mirrored = false;
     cocycle->density = fmax(choose_density(system, n, periods, cocycle->most), cocycle->wanted);
     if (!cocycle->table)
         cocycle->table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
@@ -104,49 +115,11 @@ void saltus_cocycle_close(saltus_cocycle *cocycle) {
     *cocycle = (saltus_cocycle){0};
 }
 
-/* Follow one segment: its derivative, its part of the sum rule, and the number of exact zeros. */
-static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, saltus_time until,
-                                    saltus_lap *lap, saltus_message *message) {
-    int n = cocycle->n;
-    double state[SALTUS_STATE_MAX];
-    saltus_flow_info before = saltus_flow_information(flow, 0);
-    long long steps = before.steps;
-    if (cocycle->autonomous) {
-        /* The direction of the flow at the start, of unit length in the system's scales. */
-        double *field = cocycle->fields + (size_t)cocycle->count * (size_t)n, size = 0;
-        saltus_flow_field(flow, 0, field);
-        for (int i = 0; i < n; i++) {
-            field[i] /= cocycle->scale[i];
-            size = hypot(size, field[i]);
-        }
-        for (int i = 0; i < n; i++)
-            field[i] = size > 0 ? field[i] / size : i == 0;
-    }
-    if (!cocycle->given)
-        saltus_flow_set_tangents(flow, 0, cocycle->columns);
-    for (saltus_event event = {.kind = SALTUS_STEP}; event.kind != SALTUS_REACHED;) {
-        saltus_status status =
-            saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
-        if (status != SALTUS_OK)
-            return status;
-        cocycle->sum_rule += saltus_trace_over_step(flow, 0, cocycle->table, &steps);
-        int lost = saltus_lost_directions(flow, 0, &event);
-        cocycle->zeros = lost > cocycle->zeros ? lost : cocycle->zeros;
-        saltus_flow_state(flow, 0, state);
-        if (lap && !saltus_lap_add(lap, &event, state))
-            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
-    }
-    cocycle->sum_rule += saltus_flow_information(flow, 0).log_volume - before.log_volume;
-    if (!cocycle->given)
-        saltus_flow_tangents(flow, 0, cocycle->segments + (size_t)cocycle->count++ * (size_t)(n * n));
-    return SALTUS_OK;
-}
-
-/* Make room for `more` further matrices. */
-static saltus_status reserve_segments(saltus_cocycle *cocycle, int more, saltus_message *message) {
-    if (cocycle->count + more <= cocycle->room)
+/* Make room for one more matrix. */
+static saltus_status reserve_segment(saltus_cocycle *cocycle, saltus_message *message) {
+    if (cocycle->count < cocycle->room)
         return SALTUS_OK;
-    const size_t room = (size_t)(cocycle->count + more), n = (size_t)cocycle->n;
+    const size_t room = 2 * (size_t)cocycle->count + 8, n = (size_t)cocycle->n;
     double *segments = realloc(cocycle->segments, room * n * n * sizeof *segments);
     if (segments)
         cocycle->segments = segments;
@@ -158,12 +131,91 @@ static saltus_status reserve_segments(saltus_cocycle *cocycle, int more, saltus_
     return SALTUS_OK;
 }
 
+/* The matrix that is next to be added. */
+static double *next_segment(const saltus_cocycle *cocycle) {
+    return cocycle->segments + (size_t)cocycle->count * (size_t)(cocycle->n * cocycle->n);
+}
+
 saltus_status saltus_cocycle_add(saltus_cocycle *cocycle, const double *matrix, saltus_message *message) {
-    const size_t square = (size_t)(cocycle->n * cocycle->n);
-    saltus_status status =
-        reserve_segments(cocycle, cocycle->count < cocycle->room ? 1 : cocycle->count + 8, message);
-    if (status == SALTUS_OK)
-        memcpy(cocycle->segments + square * (size_t)cocycle->count++, matrix, square * sizeof *matrix);
+    saltus_status status = reserve_segment(cocycle, message);
+    if (status == SALTUS_OK) {
+        memcpy(next_segment(cocycle), matrix, (size_t)(cocycle->n * cocycle->n) * sizeof *matrix);
+        cocycle->count++;
+    }
+    return status;
+}
+
+bool saltus_cocycle_ends(const saltus_cocycle *cocycle, const double *matrix) {
+    const int n = cocycle->n;
+    double largest = 0;
+    for (int k = 0; k < n; k++)
+        for (int i = 0; i < n; i++)
+            largest = fmax(largest, fabs(matrix[k * n + i]) * cocycle->scale[k] / cocycle->scale[i]);
+    return largest > grown;
+}
+
+static saltus_status begin_segment(saltus_cocycle *cocycle, saltus_flow *flow, saltus_message *message) {
+    if (cocycle->given)
+        return SALTUS_OK;
+    const int n = cocycle->n;
+    saltus_status status = reserve_segment(cocycle, message);
+    if (cocycle->autonomous && status == SALTUS_OK) {
+        /* The direction of the flow at the start, of unit length in the system's scales. */
+        double *field = cocycle->fields + (size_t)cocycle->count * (size_t)n, size = 0;
+        saltus_flow_field(flow, 0, field);
+        for (int i = 0; i < n; i++) {
+            field[i] /= cocycle->scale[i];
+            size = hypot(size, field[i]);
+        }
+        for (int i = 0; i < n; i++)
+            field[i] = size > 0 ? field[i] / size : i == 0;
+    }
+    saltus_flow_set_tangents(flow, 0, cocycle->columns);
+    return status;
+}
+
+/* Note an event: its directions that are exact zeros, whether it turns phase space over, and after an impact
+ * over which tangent vectors have grown the segment's end. */
+static saltus_status note_event(saltus_cocycle *cocycle, saltus_flow *flow, const saltus_event *event,
+                                saltus_message *message) {
+    const int lost = saltus_lost_directions(flow, 0, event);
+    cocycle->zeros = lost > cocycle->zeros ? lost : cocycle->zeros;
+    if (event->kind != SALTUS_IMPACT)
+        return SALTUS_OK;
+    const double speed = fabs(event->velocity_before);
+    cocycle->mirrored ^= saltus_system_rebound(saltus_flow_system(flow, 0), event->face, speed).slope < 0;
+    if (cocycle->given)
+        return SALTUS_OK;
+    saltus_flow_tangents(flow, 0, next_segment(cocycle));
+    if (!saltus_cocycle_ends(cocycle, next_segment(cocycle)))
+        return SALTUS_OK;
+    cocycle->count++;
+    return begin_segment(cocycle, flow, message);
+}
+
+/* Follow the flow to a time: the derivative of the last segment, its part of the sum rule, the number of
+ * exact zeros. */
+static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, saltus_time until,
+                                    saltus_lap *lap, saltus_message *message) {
+    double state[SALTUS_STATE_MAX];
+    saltus_flow_info before = saltus_flow_information(flow, 0);
+    long long steps = before.steps;
+    saltus_status status = begin_segment(cocycle, flow, message);
+    for (saltus_event event = {.kind = SALTUS_STEP}; event.kind != SALTUS_REACHED && status == SALTUS_OK;) {
+        status = saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
+        if (status != SALTUS_OK)
+            return status;
+        cocycle->sum_rule += saltus_trace_over_step(flow, 0, cocycle->table, &steps);
+        status = note_event(cocycle, flow, &event, message);
+        saltus_flow_state(flow, 0, state);
+        if (lap && !saltus_lap_add(lap, &event, state))
+            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
+    }
+    cocycle->sum_rule += saltus_flow_information(flow, 0).log_volume - before.log_volume;
+    if (!cocycle->given && status == SALTUS_OK) {
+        saltus_flow_tangents(flow, 0, next_segment(cocycle));
+        cocycle->count++;
+    }
     return status;
 }
 
@@ -172,7 +224,7 @@ saltus_status saltus_cocycle_follow(saltus_cocycle *cocycle, saltus_flow *flow, 
     saltus_time from = saltus_flow_time(flow, 0);
     double length = saltus_time_between(from, until);
     const int more = cocycle->given ? 1 : (int)fmax(1, ceil(length * cocycle->density - 1e-9));
-    saltus_status status = reserve_segments(cocycle, more, message);
+    saltus_status status = SALTUS_OK;
     for (int m = 1; m <= more && status == SALTUS_OK; m++) {
         double end = saltus_time_periods(from) + length * m / more, whole = floor(end);
         saltus_time at = m < more ? (saltus_time){(long long)whole, end - whole} : until;
@@ -265,6 +317,14 @@ static bool splits(const iteration *it, int k) {
     return it->coupling[k] <= 10 * separate;
 }
 
+/* The largest growth of a direction over a segment. */
+static double largest_growth(const iteration *it, int m) {
+    double largest = 0;
+    for (int i = 0; i < it->n; i++)
+        largest = fmax(largest, triangle_at(it, m)[i * it->n + i]);
+    return largest;
+}
+
 /* Logarithm of a direction's growth over all segments. */
 static double log_growth(const iteration *it, int i) {
     double sum = 0;
@@ -313,32 +373,76 @@ static int by_modulus(const void *a, const void *b) {
     return x->im < y->im ? 1 : x->im > y->im ? -1 : 0;
 }
 
-/* Find all multipliers, by decreasing modulus: of the leading directions that all segments resolve, reduced
- * to a split. */
-static bool find_multipliers(iteration *it, int zeros, saltus_multiplier *found, double *log_volume) {
-    int n = it->n, first = 0, count = n - zeros;
+/* What rounding leaves of the coupling of the first k directions with the others: where a segment's matrix is
+ * large beside the smallest growth of the former, carried on over the next segments. */
+static double rounded_coupling(const iteration *it, int k) {
+    const int n = it->n;
+    double coupling = 0;
     for (int m = 0; m < it->count; m++) {
         const double *r = triangle_at(it, m);
-        double largest = 0;
+        double least = INFINITY, rest = 0, size = 0;
+        for (int i = 0; i < n * n; i++)
+            size = hypot(size, r[i]);
         for (int i = 0; i < n; i++)
-            largest = fmax(largest, r[i * n + i]);
-        for (int i = 0; i < count; i++)
-            if (!(r[i * n + i] >= weakest_growth * largest))
-                count = i;
+            if (i < k)
+                least = fmin(least, r[i * n + i]);
+            else
+                rest = fmax(rest, r[i * n + i]);
+        coupling = (coupling * rest + DBL_EPSILON * size) / least;
     }
-    while (!splits(it, count))
+    return coupling;
+}
+
+/* Of how many leading directions all segments keep the digits; they are reduced until no coupling with the
+ * others is left but that of rounding. */
+static int count_resolved(const iteration *it, int count) {
+    const double most = 1e-6;
+    const int n = it->n;
+    for (int m = 0; m < it->count; m++) {
+        const double *r = triangle_at(it, m), largest = largest_growth(it, m);
+        for (int i = 0; i < count; i++) {
+            const double weakest = i == n - 1 && largest > grown ? weakest_grown : weakest_growth;
+            if (!(r[i * n + i] >= weakest * largest))
+                count = i;
+        }
+    }
+    while (!splits(it, count) && !(it->coupling[count] <= fmin(10 * rounded_coupling(it, count), most)))
         count--;
+    return count;
+}
+
+/* A bound on the logarithm of the moduli of all but the first `count` multipliers. */
+static double log_bound(const iteration *it, int count) {
+    const int n = it->n;
+    double sum = 0;
+    for (int m = 0; m < it->count; m++) {
+        const double *r = triangle_at(it, m);
+        double rest = 0;
+        for (int i = count; i < n; i++)
+            for (int j = i; j < n; j++)
+                rest = hypot(rest, r[i * n + j]);
+        sum += log(rest + tangent_error * largest_growth(it, m));
+    }
+    return sum;
+}
+
+/* Find all multipliers, by decreasing modulus. */
+static bool find_multipliers(iteration *it, int zeros, saltus_multiplier *found, double *log_volume) {
+    const int n = it->n, count = count_resolved(it, n - zeros);
+    int first = 0;
     *log_volume = count < n - zeros ? NAN : 0;
     for (int i = 1; i <= count; i++) {
         *log_volume += log_growth(it, i - 1);
-        if (!splits(it, i))
+        if (i < count && !splits(it, i))
             continue;
         if (!block_multipliers(it, first, i, found + first))
             return false;
         first = i;
     }
+    const double lost = count < n - zeros && log_bound(it, count) > log(negligible) ? NAN : 0;
     for (int i = count; i < n; i++)
-        found[i] = (saltus_multiplier){0, 0, i < n - zeros ? NAN : -INFINITY};
+        found[i] =
+            i < n - zeros ? (saltus_multiplier){lost, lost, NAN} : (saltus_multiplier){0, 0, -INFINITY};
     qsort(found, (size_t)count, sizeof *found, by_modulus);
     return true;
 }
@@ -420,36 +524,56 @@ static double deflate(saltus_cocycle *cocycle) {
     return trivial;
 }
 
-saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *out, int *count,
-                                   double *trivial, double *log_volume, saltus_message *message) {
+/* A single multiplier that is not resolved follows from the others and the sum rule, with its sign. */
+static void complete(const saltus_cocycle *cocycle, saltus_multiplier *out, int count) {
+    double rest = cocycle->sum_rule;
+    int lost = 0, lone = 0;
+    bool negative = cocycle->mirrored;
+    for (int k = 0; k < count; k++) {
+        const bool known = !isnan(out[k].log_modulus);
+        lost += !known;
+        lone = known ? lone : k;
+        rest -= known ? out[k].log_modulus : 0;
+        negative ^= known && out[k].im == 0 && out[k].re < 0;
+    }
+    if (lost != 1 || !isfinite(rest))
+        return;
+    out[lone] = (saltus_multiplier){negative ? -exp(rest) : exp(rest), 0, rest};
+    qsort(out, (size_t)count, sizeof *out, by_modulus);
+}
+
+/* Where the flow contracts so much that errors hide multipliers of an orbit of unknown period: shorter
+ * segments are wanted. */
+static void mark_hidden(saltus_cocycle *cocycle, saltus_multiplier *out, int count, double *log_volume) {
     const double over_segment = 10; /* contraction that leaves the smallest multiplier its digits */
     const double many = 5000;       /* segments */
     const double hidden = -18; /* logarithm of the growth over a segment, below which its errors hide it */
+    /* Only after one lap it is known how much the flow contracts. */
     const int n = cocycle->n;
-    *count = n - cocycle->autonomous;
+    double wanted = fmin(-cocycle->sum_rule / over_segment, bytes_max / (8.0 * n * n)) / cocycle->periods;
+    const bool last = count == 1 && cocycle->zeros == 0 && wanted * cocycle->periods > many;
+    if (!isnan(cocycle->sum_rule) && wanted > cocycle->density && !last)
+        cocycle->wanted = wanted;
+    for (int k = 0; k < count; k++) {
+        if (last || (isfinite(out[k].log_modulus) && out[k].log_modulus < hidden * cocycle->count))
+            out[k] = (saltus_multiplier){0, 0, NAN};
+        if (isnan(out[k].log_modulus))
+            *log_volume = NAN;
+    }
+}
+
+saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *out, int *count,
+                                   double *trivial, double *log_volume, saltus_message *message) {
+    *count = cocycle->n - cocycle->autonomous;
     *trivial = cocycle->autonomous ? deflate(cocycle) : 0;
     /* At rest on a stop no direction is left, not even the flow's. */
     const int zeros = cocycle->zeros < *count ? cocycle->zeros : *count;
     saltus_status status = saltus_cocycle_multipliers(cocycle->segments, *count, cocycle->count, zeros, out,
                                                       log_volume, message);
-    if (status != SALTUS_OK || !cocycle->autonomous)
-        return status;
-    /* Only after one lap it is known how much the flow contracts. */
-    double wanted = fmin(-cocycle->sum_rule / over_segment, bytes_max / (8.0 * n * n)) / cocycle->periods;
-    const bool last = *count == 1 && zeros == 0 && wanted * cocycle->periods > many;
-    if (!isnan(cocycle->sum_rule) && wanted > cocycle->density && !last)
-        cocycle->wanted = wanted;
-    for (int k = 0; k < *count; k++) {
-        if (isfinite(out[k].log_modulus) && out[k].log_modulus < hidden * cocycle->count)
-            out[k] = (saltus_multiplier){0, 0, NAN};
-        if (isnan(out[k].log_modulus))
-            *log_volume = NAN;
-    }
-    /* In the plane there is but one multiplier, which Liouville's formula gives: impacts keep orientation. */
-    if (last) {
-        *log_volume = cocycle->sum_rule;
-        out[0] = (saltus_multiplier){exp(cocycle->sum_rule), 0, cocycle->sum_rule};
-    }
+    if (status == SALTUS_OK && cocycle->autonomous)
+        mark_hidden(cocycle, out, *count, log_volume);
+    if (status == SALTUS_OK && zeros == 0)
+        complete(cocycle, out, *count);
     return status;
 }
 
@@ -498,14 +622,14 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
 int saltus_multipliers_unstable(const saltus_multiplier *multipliers, int count) {
     const double accuracy = 1e-10; /* accuracy of a logarithm */
     int unstable = 0;
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count; i++) {
+        if (isnan(multipliers[i].re))
+            return -1;
         unstable += multipliers[i].log_modulus >= -accuracy;
-    return unstable;
+    }
+    return count ? unstable : -1;
 }
 
 bool saltus_multipliers_stable(const saltus_multiplier *multipliers, int count) {
-    for (int i = 0; i < count; i++)
-        if (isnan(multipliers[i].re))
-            return false;
     return saltus_multipliers_unstable(multipliers, count) == 0;
 }

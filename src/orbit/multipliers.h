@@ -8,14 +8,15 @@
 #include <gsl/gsl_integration.h>
 
 /* The derivative along an orbit as the product A_count ... A_1 over segments so short that each keeps the
- * digits of its smallest singular value. It is filled piece by piece from a flow with n columns, with work
- * space. */
+ * digits of its smallest singular value, if possible. It is filled piece by piece from a flow with n columns,
+ * with work space. */
 typedef struct saltus_cocycle {
     int n, count, room, periods;
     bool given;       /* the matrices come from saltus_cocycle_add: following an orbit adds everything else */
     int zeros;        /* exact zeros: directions lost by lasting contacts or r = 0 */
     double *segments; /* [count] matrices n x n, by columns */
     double sum_rule;  /* integral of the trace, plus 2 ln r per impact */
+    bool mirrored;    /* the product of the multipliers is negative */
     double density;   /* segments per period */
     int most;         /* most segments per period for the smallest multipliers; 0: no limit */
     double wanted;    /* least segments per period, from a previous lap; 0: not known */
@@ -43,6 +44,9 @@ bool saltus_cocycle_takes(const saltus_cocycle *cocycle, const saltus_system *sy
                           const saltus_flow_options *options);
 /* Add a matrix, by columns. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_cocycle_add(saltus_cocycle *cocycle, const double *matrix, saltus_message *message);
+/* Whether a segment should end after an impact: errors of tangent vectors that have grown this much hide
+ * directions that have not. `matrix`: the segment's so far, by columns. */
+bool saltus_cocycle_ends(const saltus_cocycle *cocycle, const double *matrix);
 /* Accepts a zeroed cocycle. */
 void saltus_cocycle_close(saltus_cocycle *cocycle);
 /* Follow lane 0 of a flow to a time; contact events go to `lap` (may be NULL). Errors: SALTUS_NO_MEMORY,
@@ -51,15 +55,16 @@ saltus_status saltus_cocycle_follow(saltus_cocycle *cocycle, saltus_flow *flow, 
                                     saltus_lap *lap, saltus_message *message);
 
 /* The n multipliers of the product of given matrices, by decreasing modulus. The last `zeros` are exact zeros
- * (log_modulus -INFINITY); NAN: too small for the digits of the segments. `log_volume` receives the sum of
- * the log moduli without exact zeros, NAN if some are not resolved. Errors: SALTUS_NO_MEMORY,
- * SALTUS_NO_CONVERGENCE. */
+ * (log_modulus -INFINITY); NAN: the segments do not keep their digits, see saltus_multiplier. `log_volume`
+ * receives the sum of the log moduli without exact zeros, NAN if some are not resolved. Errors:
+ * SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_cocycle_multipliers(const double *segments, int n, int count, int zeros,
                                          saltus_multiplier *out, double *log_volume, saltus_message *message);
 
 /* The *count multipliers of a cocycle that was followed once around an orbit: the dimension, or one less if
- * autonomous; *trivial is then the computed multiplier along the flow, otherwise 0. Consumes the segments of
- * an autonomous cocycle. Errors: as above. */
+ * autonomous. If the segments resolve all but one, that one is found by the sum rule. *trivial is then the
+ * computed multiplier along the flow, otherwise 0. Consumes the segments of an autonomous cocycle. Errors: as
+ * above. */
 saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *out, int *count,
                                    double *trivial, double *log_volume, saltus_message *message);
 

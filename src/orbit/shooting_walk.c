@@ -44,13 +44,17 @@ static void collect_piece(saltus_shooting *p, const double *piece) {
     c->begun = true;
 }
 
+/* Add the derivative since the segment's beginning to the cocycle. */
+static saltus_status add_segment(walk *w, saltus_message *message) {
+    w->p->collection.begun = false;
+    return saltus_cocycle_add(w->p->collection.into, w->p->collection.since, message);
+}
+
 /* End a segment with the piece. */
 static saltus_status collect_segment(walk *w, saltus_message *message) {
-    saltus_collection *c = &w->p->collection;
     collect_piece(w->p, w->p->response.tangents);
-    c->begun = false;
-    c->begin = saltus_time_periods(saltus_flow_time(w->flow, 0));
-    return saltus_cocycle_add(c->into, c->since, message);
+    w->p->collection.begin = saltus_time_periods(saltus_flow_time(w->flow, 0));
+    return add_segment(w, message);
 }
 
 /* After a step within a piece: end the segment, and the piece, if another step would make it too long. */
@@ -185,6 +189,9 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
             for (int i = 0; i < p->n; i++)
                 tangents[j * p->n + i] -= shift[i] * (gradient[j] / strike.equation_rate);
         collect_piece(p, tangents);
+        /* Where the next pieces end, and with them the Jacobian, does not depend on this. */
+        if (saltus_cocycle_ends(p->collection.into, p->collection.since))
+            status = add_segment(w, message);
     }
     for (int i = 0; i < p->n; i++)
         p->response.answer[i * m + own] += shift[i] * w->period;

@@ -30,7 +30,7 @@ static void name_multipliers(const saltus_branch_point *point, char *text, size_
     for (int k = 0; k < count; k++) {
         const saltus_multiplier *m = &point->multipliers[k];
         char one[64];
-        if (k > 0 && !(m->log_modulus > well_inside))
+        if (isnan(m->re) || (k > 0 && !(m->log_modulus > well_inside)))
             return;
         int length = snprintf(one, sizeof one, "%s%.4g", k ? ", " : "", m->re);
         if (m->im != 0)
@@ -163,7 +163,9 @@ void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus
     saltus_json_list(file, "values", point->value, isnan(point->value[1]) ? 1 : 2);
     put_named(file, "heading, arclength, motion, motion_after", point);
     saltus_json_member(file, "impacts", point->impacts < 0 ? NAN : (double)point->impacts);
-    put_named(file, "periods, period, sticking_intervals, stable, unstable, admissible, state", point);
+    put_named(file, "periods, period, sticking_intervals, stable", point);
+    saltus_json_member(file, "unstable", point->unstable < 0 ? NAN : point->unstable);
+    put_named(file, "admissible, state", point);
     saltus_json_events(file, system, point->events, point->event_count);
     put_named(file, "contact_force", point);
     if (point->grazing_stop) {

@@ -56,7 +56,7 @@ static const saltus_field point_fields[] = {
           "decreasing real part",
           SALTUS_REAL, OF_DIMENSION, 2, .indirect = true, .stride = sizeof(saltus_multiplier)),
     POINT_AS("log_moduli", multipliers, "1",
-             "natural logarithms of their moduli; -inf: exactly zero, NaN: not resolved; of equilibria the "
+             "natural logarithms of their moduli; -inf: exactly zero, NaN: not known; of equilibria the "
              "real parts",
              SALTUS_REAL, OF_DIMENSION, .indirect = true, .inner = offsetof(saltus_multiplier, log_modulus),
              .stride = sizeof(saltus_multiplier)),
@@ -65,7 +65,8 @@ static const saltus_field point_fields[] = {
     POINT(lyapunov_coefficient, "1",
           "HB of equilibria: the first one in Kuznetsov's normalisation; negative: stable cycles are born",
           SALTUS_REAL),
-    POINT(unstable, "1", "multipliers not inside the unit circle, eigenvalues with a positive real part",
+    POINT(unstable, "1",
+          "multipliers not inside the unit circle, -1: not known; eigenvalues with a positive real part",
           SALTUS_INT),
     POINT(stable, "1", "whether there are none, nor any in between", SALTUS_FLAG),
     POINT(admissible, "1", "whether the flow with its events closes on the orbit", SALTUS_FLAG),

@@ -122,7 +122,9 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
     }
     int unstable = saltus_multipliers_unstable(motion->multipliers, motion->multiplier_count);
     fprintf(file, "%s", motion->multiplier_count > leading ? ", ..." : "");
-    if (!motion->stable)
+    if (unstable < 0)
+        fputs("; not all are known", file);
+    else if (!motion->stable)
         fprintf(file, "; %d not inside the unit circle", unstable);
     if (motion->trivial_multiplier != 0)
         fprintf(file, "; along the flow 1 %c %.1e", motion->trivial_multiplier < 1 ? '-' : '+',
@@ -135,7 +137,8 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
         fputs("not checked: the trace is not known\n", file);
     else if (isnan(motion->log_volume))
         fprintf(file,
-                "not checked: the smallest multipliers are not resolved; trace and restitution give %.10g\n",
+                "not checked: the tangent vectors do not resolve the smallest multipliers; trace and "
+                "restitution give %.10g\n",
                 motion->sum_rule);
     else
         fprintf(file, "log moduli add up to %.10g; trace and restitution give %.10g (difference %.1e)\n",
