@@ -261,6 +261,9 @@ static void hidden_by_the_largest(void **unused) {
         assert_true(isnan(found[3].re) && isnan(found[3].log_modulus));
         assert_int_equal(saltus_multipliers_unstable(found, count), -1);
         assert_false(saltus_multipliers_stable(found, count));
+        /* Nothing is known of an orbit that the flow does not complete. */
+        assert_int_equal(saltus_multipliers_unstable(found, 0), -1);
+        assert_false(saltus_multipliers_stable(found, 0));
         free(segments);
     }
 }

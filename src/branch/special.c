@@ -92,11 +92,9 @@ static int add_along(saltus_orbits *o, const saltus_solution *from, const saltus
 /* `hidden`: bits of the tests that are not compared there. */
 static place place_of(const saltus_solution *s, const saltus_solution *from, double ahead, unsigned hidden) {
     const double inside = -1e-5; /* logarithm of the modulus */
-    place own = {.ahead = ahead};
-    for (int k = 0; k < s->survey.multiplier_count && own.outside >= 0; k++) {
-        const double modulus = s->survey.multipliers[k].log_modulus;
-        own.outside = isnan(modulus) ? -1 : own.outside + (modulus > inside);
-    }
+    place own = {.ahead = ahead, .outside = s->survey.unstable < 0 ? -1 : 0};
+    for (int k = 0; k < s->survey.multiplier_count && own.outside >= 0; k++)
+        own.outside += s->survey.multipliers[k].log_modulus > inside;
     for (int test = 0; test <= SALTUS_TEST_PAIR; test++)
         own.value[test] = hidden >> test & 1 ? NAN : saltus_test_value((saltus_test)test, 0, s, from);
     return own;
