@@ -788,10 +788,12 @@ static void where_errors_grow_too_much(void **unused) {
                                "  forcing: omega\n"
                                "stop: {coordinate: x, d: 0.917, r: 0.31, sides: both}\n"
                                "initial: {x: 0.3}\n";
+    static const double state[] = {-0.4516619234028753, 0.021802639590796896};
     saltus_branch_options options = branch_along("F", 0.25, 1);
-    options.points = 120;
+    options.points = 60;
     options.switches = 1;
-    branch_record record = run_from(text, "F=0.261", 0, NULL, &options);
+    options.direction = 1;
+    branch_record record = run_from(text, "F=0.4007647247763", 1, state, &options);
     int grow = 0;
     for (int j = 0; j < record.count; j++) {
         assert_null(strstr(record.point[j].reason, "Newton"));
@@ -917,7 +919,7 @@ static void a_pair_turns_real_before_grazing(void **unused) {
                                "stop: {coordinate: a - p2*b, d: 0.4383, r: 0.5692, sides: upper}\n";
     saltus_branch_options options = branch_along("p2", -2.0168, -0.89859);
     options.direction = 1;
-    options.points = 22;
+    options.points = 25;
     branch_record record = run_from(rods, "p2=-1.397", 0, NULL, &options);
     const saltus_branch_point *torus = NULL;
     for (int k = 0; k < record.count; k++)

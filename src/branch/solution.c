@@ -308,11 +308,11 @@ void saltus_solution_label(saltus_orbits *o, const saltus_solution *s, char labe
 static void circle_products(const saltus_multiplier *mu, int n, double circle[3]) {
     double complex product[] = {1, 1, 1};
     for (int i = 0; i < n; i++) {
-        const double complex own = CMPLX(mu[i].re, mu[i].im);
+        const double complex own = mu[i].re + mu[i].im * I;
         product[0] *= 1 - own;
         product[1] *= 1 + own;
         for (int j = 0; j < i; j++)
-            product[2] *= own * CMPLX(mu[j].re, mu[j].im) - 1;
+            product[2] *= own * (mu[j].re + mu[j].im * I) - 1;
     }
     for (int k = 0; k < 3; k++)
         circle[k] = creal(product[k]);
