@@ -90,7 +90,8 @@ typedef struct saltus_branch_point {
     double trivial_multiplier; /* of an orbit with a period of its own: the multiplier along the flow, 1 up to
                                   errors; otherwise 0 */
     int unstable; /* number of multipliers not inside the unit circle (saltus_multipliers_unstable; -1: not
-                     known), or of eigenvalues with positive real part */
+                     known), or of eigenvalues with positive real part. At LP, PD, NS, BP and HB without
+                     the critical one, or pair: the lower of the numbers before and beyond */
     bool stable;  /* false at LP, PD, NS, BP and HB, where a multiplier or eigenvalue is critical */
     /* HB of equilibria: first Lyapunov coefficient in Kuznetsov's normalisation (eigenvector of unit length).
      * Negative: the critical pair does not destabilise the cycles born there. NAN elsewhere. */

@@ -168,6 +168,7 @@ static void give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_
                                 .ahead = special->ahead,
                                 .accuracy = special->accuracy,
                                 .reason = special->end,
+                                .joins = special->end != NULL,
                                 .value = &special->value};
     saltus_branch_point *last = saltus_trail_last(t->trail);
     if (last && is_pitchfork(last, special, t->trail->arclength + special->ahead)) {

@@ -3,6 +3,7 @@
 #include "branch/trail.h"
 
 #include "branch/point.h"
+#include "orbit/held.h"
 
 #include <float.h>
 #include <limits.h>
@@ -135,6 +136,47 @@ bool saltus_trail_keeps(saltus_point_kind kind) {
     return orbits_meet >> kind & 1;
 }
 
+/* The number of multipliers outside the unit circle, or of eigenvalues with positive real part, at a point of
+ * a `marginal` kind. Rounding decides on which side the critical one is, or pair: of those of its sign the
+ * nearest to the circle or axis. It is not counted. */
+static int count_outside(const saltus_branch_point *point, saltus_point_kind kind, bool joins) {
+    const bool pair = kind == SALTUS_POINT_NS || (kind == SALTUS_POINT_HB && !point->periods);
+    const int sign = pair || !point->periods ? 0 : kind == SALTUS_POINT_PD && !joins ? -1 : 1;
+    const saltus_multiplier *mu = point->multipliers;
+    saltus_multiplier others[SALTUS_STATE_MAX];
+    saltus_eigenvalue rates[SALTUS_STATE_MAX];
+    int critical = -1, count = 0;
+    for (int k = 0; k < point->multiplier_count; k++)
+        if ((mu[k].im != 0) == pair && sign * mu[k].re >= 0 &&
+            (critical < 0 || fabs(mu[k].log_modulus) < fabs(mu[critical].log_modulus)))
+            critical = k;
+    if (critical < 0)
+        return point->unstable;
+    for (int k = 0; k < point->multiplier_count; k++)
+        if (k != critical && !(pair && k == critical + 1)) {
+            rates[count] = (saltus_eigenvalue){mu[k].re, mu[k].im};
+            others[count++] = mu[k];
+        }
+    return !point->periods ? saltus_eigenvalues_growing(rates, count).growing
+           : count         ? saltus_multipliers_unstable(others, count)
+                           : 0;
+}
+
+/* `point`: the last in the queue. */
+static void judge_stability(const saltus_trail *t, const saltus_notice *what, saltus_branch_point *point) {
+    const saltus_point_kind kind = point->locus ? point->locus : what->kind;
+    const saltus_branch_point *last = t->queue.count > 1 ? point - 1 : NULL;
+    if (marginal >> kind & 1) {
+        point->stable = false;
+        point->unstable = count_outside(point, kind, what->joins);
+    } else if (kind == SALTUS_POINT_EP && last && marginal >> last->kind & 1 &&
+               last->arclength == t->arclength + what->ahead) {
+        /* The branch ends at a point given out already. */
+        point->stable = last->stable;
+        point->unstable = last->unstable;
+    }
+}
+
 void saltus_trail_give(saltus_trail *t, const saltus_system *system, saltus_branch_point *fresh,
                        const double *points, const saltus_notice *what, bool *starved) {
     const saltus_branch_options *o = t->options;
@@ -145,7 +187,7 @@ void saltus_trail_give(saltus_trail *t, const saltus_system *system, saltus_bran
         return;
     }
     *point = *fresh;
-    point->stable = point->stable && (point->locus || !(marginal >> what->kind & 1));
+    judge_stability(t, what, point);
     point->kind = what->kind;
     point->branch = t->number;
     point->parent = t->parent;

@@ -31,7 +31,8 @@ typedef struct saltus_notice {
     const char *after;             /* label beyond; NULL: none */
     const double *value;           /* NULL: the solution's */
     bool change;                   /* a change of events: label and counts are those of the orbit before it */
-    const saltus_breach *grazing;  /* the touch, which a GR or BE tells; NULL: not known */
+    bool joins; /* PD: the branch ends at orbits of half the period, so that its multiplier is 1 */
+    const saltus_breach *grazing; /* the touch, which a GR or BE tells; NULL: not known */
 } saltus_notice;
 
 /* Free the trail with the points that were not taken. A zeroed one is accepted. */

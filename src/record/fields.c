@@ -66,7 +66,8 @@ static const saltus_field point_fields[] = {
           "HB of equilibria: the first one in Kuznetsov's normalisation; negative: stable cycles are born",
           SALTUS_REAL),
     POINT(unstable, "1",
-          "multipliers not inside the unit circle, -1: not known; eigenvalues with a positive real part",
+          "multipliers not inside the unit circle, -1: not known; eigenvalues with a positive real part; at "
+          "LP, PD, NS, BP, HB without those that are critical",
           SALTUS_INT),
     POINT(stable, "1", "whether there are none, nor any in between", SALTUS_FLAG),
     POINT(admissible, "1", "whether the flow with its events closes on the orbit", SALTUS_FLAG),
