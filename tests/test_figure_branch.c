@@ -770,6 +770,9 @@ static void loci_are_solid_where_they_bound_stable_orbits(void **state) {
                 solid_at[k] = false;
                 made.multiplier[k][1] = made.multiplier[k][0];
                 made.multiplier[k][0] = (saltus_multiplier){-made.multiplier[k][1].re * 1.5, 0, log(1.5)};
+            } else if (k % 30 < 5) {
+                /* Too small to be resolved. */
+                made.multiplier[k][1] = (saltus_multiplier){0, 0, NAN};
             }
         }
         write_branch("b.h5");

@@ -247,12 +247,12 @@ static bool others_outside(const saltus_branch_point *point, saltus_point_kind k
     }
     const double inside = 1e-6;
     int critical = 0, outside = 0;
-    for (int k = 1; k < point->dimension; k++)
+    for (int k = 1; k < point->multiplier_count; k++)
         if (from_critical(&point->multipliers[k], kind) < from_critical(&point->multipliers[critical], kind))
             critical = k;
-    for (int k = 0; k < point->dimension; k++)
+    for (int k = 0; k < point->multiplier_count; k++)
         if (k != critical && !(kind == SALTUS_POINT_NS && k == critical + 1))
-            outside += !(point->multipliers[k].log_modulus < inside);
+            outside += isnan(point->multipliers[k].re) || point->multipliers[k].log_modulus >= inside;
     return outside > 0;
 }
 
