@@ -803,6 +803,30 @@ static void where_errors_grow_too_much(void **unused) {
     branch_forget(&record);
 }
 
+/* Where impacts are born or die, too, all others rebound as the parameter there says. */
+static void impacts_rebound_as_told(void **unused) {
+    (void)unused;
+    static const char text[] =
+        "model:\n"
+        "  parameters: {omega: 1.6585}\n"
+        "  motion: {x: -0.378*x' - 1.7024*x + 0.9863*cos(omega*t) + 0.306*sin(2*omega*t) + 0.5256}\n"
+        "  forcing: omega\n"
+        "stop: {coordinate: x, d: 0.2666, r: 0.212, sides: upper}\n";
+    saltus_branch_options options = branch_along("r", 0.2, 0.9);
+    options.direction = 1;
+    branch_record record = run_from(text, "r=0.212", 0, NULL, &options);
+    int touches = 0;
+    for (int j = 0; j < record.count; j++) {
+        const saltus_branch_point *p = &record.point[j];
+        touches += p->kind == SALTUS_POINT_GR;
+        for (int k = 0; k < p->event_count; k++)
+            if (p->events[k].kind == SALTUS_IMPACT)
+                check_near(p->events[k].velocity_after, -p->value[0] * p->events[k].velocity_before, 1e-15);
+    }
+    assert_true(touches > 2);
+    branch_forget(&record);
+}
+
 /* Close to where a branch of orbits of twice the period begins, and another impact is about to be born, that
  * branch is not left for the shorter orbits, on which other branches leave. */
 static void doubled_orbits_near_the_end_of_a_run(void **unused) {
@@ -989,6 +1013,7 @@ int main(void) {
         cmocka_unit_test(what_hardly_rebounds_chatters),
         cmocka_unit_test(ranges_end_where_scenes_do),
         cmocka_unit_test(where_errors_grow_too_much),
+        cmocka_unit_test(impacts_rebound_as_told),
         cmocka_unit_test(doubled_orbits_near_the_end_of_a_run),
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
         cmocka_unit_test(a_second_chatter_completes),

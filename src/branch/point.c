@@ -108,11 +108,13 @@ static bool is_left_to_flow(const saltus_sequence *s, const saltus_event *event)
 /* The events that the marks prescribe, including impacts of zero speed, which the flow sees only by chance,
  * and those that the marks leave to the flow. If the flow fails to go around, a contact to which these lead
  * counts as chatter. */
-static void prescribed_events(const saltus_orbits *o, const saltus_solution *s, saltus_branch_point *point) {
+static void prescribed_events(saltus_orbits *o, const saltus_solution *s, saltus_branch_point *point) {
     const saltus_survey *survey = &s->survey;
     double speed[SALTUS_MARKS_MAX];
     bool driven = s->sequence.driven;
     saltus_lap lap = {0};
+    /* The flow that has surveyed the orbit may have done so a little aside. */
+    saltus_orbits_noted(o, saltus_orbits_tune(o, s->parameter, s->sequence.omega, NULL));
     saltus_lap_begin(&lap, o->system, s->state);
     saltus_solution_speeds(o, s, speed);
     for (int k = 0; k < s->sequence.count; k++) {
