@@ -827,6 +827,30 @@ static void impacts_rebound_as_told(void **unused) {
     branch_forget(&record);
 }
 
+/* Where impacts hardly rebound, rounding hides the fourth birth of a run: chatter completes all the same, at
+ * the place where it ceases to on the way back. */
+static void a_short_run_completes(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {omega: 1.2}\n"
+                               "  motion: {x: -0.2*x' - x + 0.5*cos(omega*t)}\n"
+                               "  forcing: omega\n"
+                               "stop: {coordinate: x, d: 0.3, r: 0.4, sides: upper}\n";
+    double place[2] = {0};
+    for (int up = 0; up < 2; up++) {
+        saltus_branch_options options = branch_along("r", 0, 0.1);
+        options.direction = up ? 1 : -1;
+        branch_record record = run_from(text, up ? "r=0.002" : "r=0.05", 0, NULL, &options);
+        for (int j = 0; j < record.count; j++)
+            if (record.point[j].kind == SALTUS_POINT_CH)
+                place[up] = record.point[j].value[0];
+        assert_string_equal(last_of(&record)->reason, "end of the parameter's range");
+        branch_forget(&record);
+    }
+    check_near(place[0], place[1], 1e-11);
+    assert_true(place[0] > 0.008);
+}
+
 /* Close to where a branch of orbits of twice the period begins, and another impact is about to be born, that
  * branch is not left for the shorter orbits, on which other branches leave. */
 static void doubled_orbits_near_the_end_of_a_run(void **unused) {
@@ -1014,6 +1038,7 @@ int main(void) {
         cmocka_unit_test(ranges_end_where_scenes_do),
         cmocka_unit_test(where_errors_grow_too_much),
         cmocka_unit_test(impacts_rebound_as_told),
+        cmocka_unit_test(a_short_run_completes),
         cmocka_unit_test(doubled_orbits_near_the_end_of_a_run),
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
         cmocka_unit_test(a_second_chatter_completes),

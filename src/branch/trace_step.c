@@ -359,7 +359,7 @@ static void graze(saltus_trace *t, double accuracy) {
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
     saltus_change_graze(o, t->here, at, &beyond, t->spare, t->trial, &change);
     /* Rounding hides further impacts: leap to where chatter is complete. */
-    if (change.kind == SALTUS_POINT_EP && !joins && (!change.reason || ends_run(at))) {
+    if (change.kind == SALTUS_POINT_EP && !joins && (!change.reason || ends_run(at) || t->births.count > 2)) {
         saltus_orbits_reshape(o, t->here);
         leap(t, 2 * at->at.ahead, SALTUS_LEAP_RUN, "grazings follow one another ever more closely");
         return;
