@@ -342,6 +342,19 @@ void saltus_trace_leave_grazing(saltus_trace *t) {
         saltus_trace_accept(t, true, NULL);
 }
 
+/* The branch goes on from the grazing at `next`, in `spare` with the sequence `beyond` it, to `trial`. */
+static void go_beyond(saltus_trace *t, const saltus_sequence *beyond) {
+    const saltus_solution *at = t->next;
+    t->trail->arclength += at->at.ahead;
+    saltus_births_note(&t->births, beyond->count > at->sequence.count, at->parameter[0]);
+    SALTUS_SWAP(t->here, t->spare);
+    SALTUS_SWAP(t->next, t->trial);
+    t->trail->step = fmax(t->next->at.ahead, 0.25 * t->trail->step);
+    saltus_trace_leave_grazing(t);
+    if (t->trail->following && t->births.count == saltus_births_length)
+        complete_run(t, false);
+}
+
 /* Beyond grazing at `next`, to a point a little further on. */
 static void graze(saltus_trace *t, double accuracy) {
     saltus_orbits *o = &t->orbits;
@@ -359,14 +372,11 @@ static void graze(saltus_trace *t, double accuracy) {
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
     saltus_change_graze(o, t->here, at, &beyond, t->spare, t->trial, &change);
     /* Rounding hides further impacts: leap to where chatter is complete. */
-    if (change.kind == SALTUS_POINT_EP && !joins && (!change.reason || ends_run(at) || t->births.count > 2)) {
+    const bool run = !change.reason || ends_run(at) || t->births.count > 2;
+    if (change.kind == SALTUS_POINT_EP && !joins && (run || ends_flight(at))) {
         saltus_orbits_reshape(o, t->here);
-        leap(t, 2 * at->at.ahead, SALTUS_LEAP_RUN, "grazings follow one another ever more closely");
-        return;
-    }
-    if (change.kind == SALTUS_POINT_EP && !joins && ends_flight(at)) {
-        saltus_orbits_reshape(o, t->here);
-        leap(t, 2 * at->at.ahead, SALTUS_LEAP_EVENTS, "the contact changes");
+        leap(t, 2 * at->at.ahead, run ? SALTUS_LEAP_RUN : SALTUS_LEAP_EVENTS,
+             run ? "grazings follow one another ever more closely" : "the contact changes");
         return;
     }
     if (t->trail->options->locus == SALTUS_POINT_GR && !joins && !saltus_change_in_family(o, at, &doubled)) {
@@ -399,14 +409,7 @@ static void graze(saltus_trace *t, double accuracy) {
                                  : "grazing: no orbit of this period goes on with other events");
         return;
     }
-    t->trail->arclength += at->at.ahead;
-    saltus_births_note(&t->births, beyond.count > at->sequence.count, at->parameter[0]);
-    SALTUS_SWAP(t->here, t->spare);
-    SALTUS_SWAP(t->next, t->trial);
-    t->trail->step = fmax(t->next->at.ahead, 0.25 * t->trail->step);
-    saltus_trace_leave_grazing(t);
-    if (t->trail->following && t->births.count == saltus_births_length)
-        complete_run(t, false);
+    go_beyond(t, &beyond);
 }
 
 /* Accept a step without breach. Changes of contacts where the sequence is left to the flow are located; of
