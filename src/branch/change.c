@@ -348,7 +348,6 @@ typedef enum belonging {
 static belonging head_on(saltus_orbits *o, const saltus_solution *at, double heading, double astray,
                          saltus_leap leap, saltus_solution *here, saltus_solution *scratch,
                          saltus_change *change) {
-    const double near = 1e-2;
     const bool regular = change->kind == SALTUS_POINT_REGULAR;
     const saltus_survey *before = &at->survey, *after = &here->survey;
     double accuracy;
@@ -362,12 +361,8 @@ static belonging head_on(saltus_orbits *o, const saltus_solution *at, double hea
         change->accuracy = accuracy;
         return BELONGS;
     }
-    /* Near where chatter completes there are orbits with any number of impacts, and none of them leads back
-     * to it: the branch goes on with one that moves as its tangent says, since the flight that is left of the
-     * contact disturbs the motion by less than the change of the parameter does. */
+    /* Near where chatter completes there are orbits with any number of impacts. */
     if (change->kind == SALTUS_POINT_CH && before->impacts < 0) {
-        if (!(astray < 1) || saltus_system_distance(o->system, after->lap.points, before->lap.points) > near)
-            return BELONGS_NOT;
         if (!leads_away(o, at, here, change->distance, scratch))
             saltus_curve_turn(&here->at);
         return after->follows && is_easy(here) ? BELONGS : BELONGS_ELSE;
@@ -415,6 +410,21 @@ static saltus_change compare(const saltus_orbits *o, const saltus_solution *from
     return change;
 }
 
+/* Whether an orbit found at this distance beyond the end of chatter at `at` may be of the same branch. Many
+ * others pass there. It moves as the tangent says, since the flight that is left of the contact disturbs the
+ * motion by less than the change of the parameter does; or it has moved in proportion to the distance, as the
+ * last one nearer to the change did, at this *pace (0: there is none). */
+static bool keeps_pace(const saltus_orbits *o, const saltus_solution *at, const saltus_solution *here,
+                       double distance, double astray, double *pace) {
+    const double near = 1e-2, alike = 3;
+    const double moved = saltus_system_distance(o->system, here->survey.lap.points, at->survey.lap.points);
+    const double own = moved / distance;
+    const bool keeps =
+        *pace > 0 ? astray < 1 || (own < alike * *pace && own > *pace / alike) : astray < 1 && moved < near;
+    *pace = keeps ? own : *pace;
+    return keeps;
+}
+
 static int period_of(saltus_orbits *o, const saltus_solution *s) {
     saltus_lap lap = {0};
     const int period = saltus_solution_least_period(o, s, &lap);
@@ -438,7 +448,7 @@ void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ah
         change->reason = why = "chatter ceases to complete: the contact after it shrinks to nothing";
     }
     change->accuracy = accuracy_of(o, change->kind, from, at, width);
-    double astray, border = range[heading > 0];
+    double astray, pace = 0, border = range[heading > 0];
     change->at_border =
         fabs(at->parameter[0] - border) < saltus_at_border && shoot_ahead(o, at, border, here, &astray);
     /* Where chatter completes, changes lie close together; where grazings accumulate, the parameter turns
@@ -461,6 +471,9 @@ void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ah
          * they become those of a part of the period. */
         if ((own % 2 && found.kind == SALTUS_POINT_REGULAR) || (ceases && !chatter) ||
             period_of(o, here) < (chatter ? period : at->sequence.periods))
+            continue;
+        if (chatter && k < tries && at->survey.impacts < 0 && !is_held(&here->survey) &&
+            !keeps_pace(o, at, here, distance, astray, &pace))
             continue;
         belonging belongs = head_on(o, at, way, astray, leap, here, scratch, &found);
         if (belongs == BELONGS || k == tries) {
