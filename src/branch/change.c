@@ -380,7 +380,9 @@ static belonging head_on(saltus_orbits *o, const saltus_solution *at, double hea
         change->accuracy = accuracy;
     }
     /* Where an impact dies the tangent leads away, and the branch goes on near the change. */
-    const bool stays = astray < 2;
+    const double near = 1e-4;
+    const bool stays =
+        astray < 2 || saltus_system_distance(o->system, after->lap.points, before->lap.points) < near;
     if (after->follows && (begins || (regular && stays)))
         return BELONGS;
     const bool told = regular || (leap == SALTUS_LEAP_EVENTS && before->impacts >= 0);
@@ -469,7 +471,8 @@ void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ah
         const bool chatter = found.kind == SALTUS_POINT_CH;
         /* Without a change the branch would go back on itself. Only where orbits forget what came before do
          * they become those of a part of the period. */
-        if ((own % 2 && found.kind == SALTUS_POINT_REGULAR) || (ceases && !chatter) ||
+        if ((own % 2 && found.kind == SALTUS_POINT_REGULAR) ||
+            (ceases && !chatter && distance >= reach[wide]) ||
             period_of(o, here) < (chatter ? period : at->sequence.periods))
             continue;
         if (chatter && k < tries && at->survey.impacts < 0 && !is_held(&here->survey) &&
