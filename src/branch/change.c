@@ -427,13 +427,6 @@ static bool keeps_pace(const saltus_orbits *o, const saltus_solution *at, const 
     return keeps;
 }
 
-static int period_of(saltus_orbits *o, const saltus_solution *s) {
-    saltus_lap lap = {0};
-    const int period = saltus_solution_least_period(o, s, &lap);
-    saltus_lap_close(&lap);
-    return period;
-}
-
 void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ahead, saltus_leap leap,
                         const char *why, const double range[2], saltus_solution *at, saltus_solution *here,
                         saltus_solution *scratch, saltus_change *change) {
@@ -457,7 +450,7 @@ void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ah
      * back again and again. The last attempt repeats the first that gave an orbit to use if no better one is
      * found. */
     bool near = leap == SALTUS_LEAP_RUN || (at->survey.impacts < 0 && !is_held(&at->survey));
-    const int period = period_of(o, at);
+    const int period = saltus_solution_least_period(o, at);
     int tries = change->at_border ? 0 : 2 * reaches, other = -1;
     for (int k = near ? 0 : 2 * wide; k < tries + (other >= 0); k++) {
         int own = k < tries ? k : other;
@@ -473,7 +466,7 @@ void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ah
          * they become those of a part of the period. */
         if ((own % 2 && found.kind == SALTUS_POINT_REGULAR) ||
             (ceases && !chatter && distance >= reach[wide]) ||
-            period_of(o, here) < (chatter ? period : at->sequence.periods))
+            saltus_solution_least_period(o, here) < (chatter ? period : at->sequence.periods))
             continue;
         if (chatter && k < tries && at->survey.impacts < 0 && !is_held(&here->survey) &&
             !keeps_pace(o, at, here, distance, astray, &pace))

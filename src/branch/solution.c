@@ -289,11 +289,14 @@ bool saltus_solution_section(saltus_orbits *o, const saltus_solution *s, const d
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 
-int saltus_solution_least_period(saltus_orbits *o, const saltus_solution *s, saltus_lap *lap) {
+int saltus_solution_least_period(saltus_orbits *o, const saltus_solution *s) {
+    saltus_lap lap = {0};
     const bool known = s->sequence.periods > 1 && s->sequence.omega == 0 &&
                        !saltus_lap_held(&s->survey.lap) &&
-                       saltus_solution_section(o, s, s->survey.lap.points, lap);
-    return known ? saltus_lap_least_period(lap, &o->options.flow) : s->sequence.periods;
+                       saltus_solution_section(o, s, s->survey.lap.points, &lap);
+    const int least = known ? saltus_lap_least_period(&lap, &o->options.flow) : s->sequence.periods;
+    saltus_lap_close(&lap);
+    return least;
 }
 
 void saltus_solution_label(saltus_orbits *o, const saltus_solution *s, char label[SALTUS_LABEL_MAX]) {

@@ -112,8 +112,8 @@ bool saltus_cycle_around(saltus_orbits *orbits, const saltus_solution *solution,
 bool saltus_solution_section(saltus_orbits *orbits, const saltus_solution *solution, const double *point,
                              saltus_lap *lap);
 /* The least period of a surveyed orbit with forcing that is in flight at times, in periods; that of its
- * sequence if it cannot be told. `lap` as above. */
-int saltus_solution_least_period(saltus_orbits *orbits, const saltus_solution *solution, saltus_lap *lap);
+ * sequence if it cannot be told. */
+int saltus_solution_least_period(saltus_orbits *orbits, const saltus_solution *solution);
 /* The label of a surveyed solution: n/p, where p is the number of returns if the period is an unknown; "" if
  * it was not surveyed. */
 void saltus_solution_label(saltus_orbits *orbits, const saltus_solution *solution,

@@ -107,22 +107,21 @@ static void add_joined(saltus_trace *t, const saltus_solution *orbit, saltus_bra
 bool saltus_trace_joins_part(saltus_trace *t, const saltus_solution *at, const saltus_solution *beyond,
                              double value, char after[SALTUS_LABEL_MAX]) {
     saltus_orbits *o = &t->orbits;
-    saltus_lap lap = {0}, met = {.keeps_events = true};
+    saltus_lap met = {.keeps_events = true};
     saltus_branch_start start = saltus_trail_leaving(t->trail);
     const int periods = beyond->sequence.periods;
-    const int part = saltus_solution_least_period(o, beyond, &lap);
+    const int part = saltus_solution_least_period(o, beyond);
     if (part < periods) {
         const long long impacts = beyond->survey.impacts;
         saltus_orbit_label(impacts < 0 ? impacts : impacts * part / periods, part, after);
         start.parameter = beyond->parameter[0];
         start.origin = SALTUS_POINT_CH;
-        memcpy(start.state, lap.points, (size_t)o->n * sizeof *start.state);
+        memcpy(start.state, beyond->survey.lap.points, (size_t)o->n * sizeof *start.state);
         if (saltus_trail_switches(t->trail) &&
             saltus_orbits_noted(o, saltus_sequence_make(o->flow, part, false, start.state, &met,
                                                         &start.sequence, NULL)) == SALTUS_OK)
             add_joined(t, at, &start, NULL, value);
     }
-    saltus_lap_close(&lap);
     saltus_lap_close(&met);
     return part < periods;
 }
