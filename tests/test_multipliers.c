@@ -503,7 +503,7 @@ static void left_by_shooting(void **unused) {
         check_ok(saltus_shooting_shape(shooting, &sequence, &message), &message);
         saltus_equations *equations = saltus_shooting_equations(shooting);
         double *u = calloc((size_t)equations->unknowns, sizeof *u);
-        check_ok(saltus_shooting_fill(shooting, NULL, state, u, &message), &message);
+        check_ok(saltus_shooting_fill(shooting, NULL, state, 1, u, &message), &message);
         saltus_shooting_collect(shooting, &left);
         check_ok(saltus_newton(equations, u, NULL, NULL, true, &count, &message), &message);
         assert_true(saltus_shooting_collected(shooting, u) && left.given);

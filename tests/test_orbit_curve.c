@@ -535,8 +535,8 @@ static void branches_leave_along_null_vectors(void **state) {
         assert_true(start->parent == 3 && start->depth == 2 && start->origin == p->kind);
         assert_int_equal(start->sequence.periods, (1 + flips) * at.sequence.periods);
         assert_int_equal(start->sequence.count, (1 + flips) * at.sequence.count);
-        check_ok(saltus_solution_place(&f.orbits, &start->sequence, &start->parameter, start->state, false,
-                                       &first, &message),
+        check_ok(saltus_solution_restore(&f.orbits, &start->sequence, &start->parameter, start->state, &first,
+                                         &message),
                  &message);
         const saltus_equations *e = f.orbits.equations;
         assert_int_equal(start->unknowns, e->unknowns);
@@ -683,11 +683,17 @@ static void starts_are_kept(void **state) {
     saltus_starts starts = {0};
     bool starved = false;
     for (int k = 0; k < count; k++) {
-        saltus_branch_start start = {.parameter = k, .unknowns = k % 2 ? unknowns : 0, .heading = k % 3 - 1};
+        double at[n], tangent[unknowns];
+        saltus_branch_start start = {.parameter = k,
+                                     .state = at,
+                                     .tangent = tangent,
+                                     .states = n,
+                                     .unknowns = k % 2 ? unknowns : 0,
+                                     .heading = k % 3 - 1};
         for (int i = 0; i < n; i++)
-            start.state[i] = 10 * k + i;
+            at[i] = 10 * k + i;
         for (int j = 0; j < start.unknowns; j++)
-            start.tangent[j] = 100 * k + j;
+            tangent[j] = 100 * k + j;
         start.sequence.periods = k + 1;
         saltus_starts_add(&starts, &start, &starved);
         assert_true(!starved && starts.count == k + 1);
@@ -703,6 +709,7 @@ static void starts_are_kept(void **state) {
         assert_int_equal(start->unknowns, k % 2 ? unknowns : 0);
         for (int j = 0; j < start->unknowns; j++)
             assert_true(start->tangent[j] == 100 * k + j);
+        saltus_branch_start_clear(&taken);
     }
     assert_int_equal(starts.begun, count / 2);
     saltus_starts_clear(&starts);

@@ -282,12 +282,15 @@ void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
         saltus_branch_start *start = &starts->start[k];
         saltus_archive_sequence(a, &start->sequence);
         saltus_archive_finite(a, &start->parameter, 1);
-        saltus_archive_finite(a, start->state, (size_t)a->n);
-        if (saltus_archive_flag(a, start->unknowns > 0)) {
-            start->unknowns = (int)saltus_archive_whole(a, start->unknowns, 1, SALTUS_START_UNKNOWNS_MAX);
-            a->sound = a->sound && start->unknowns == saltus_sequence_unknowns(&start->sequence, a->n) + 1;
-            saltus_archive_finite(a, start->tangent, (size_t)start->unknowns);
-        }
+        const bool along = saltus_archive_flag(a, start->unknowns > 0);
+        start->states = start->sequence.cuts * a->n;
+        start->unknowns = along ? saltus_sequence_unknowns(&start->sequence, a->n) + 1 : 0;
+        const size_t numbers = (size_t)(start->states + start->unknowns);
+        double *own = a->reading ? calloc(numbers, sizeof *own) : (double *)start->state;
+        start->state = own;
+        start->tangent = own ? own + start->states : NULL;
+        if (found(a, own))
+            saltus_archive_finite(a, own, numbers);
         start->heading = (int)saltus_archive_whole(a, start->heading, -1, 1);
         start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
         start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);

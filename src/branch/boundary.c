@@ -164,11 +164,12 @@ void saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int face, con
                            saltus_rest *scratch, saltus_starts *starts) {
     bounce b = {.n = 0};
     saltus_branch_start start = *like;
-    double along[SALTUS_STATE_MAX], half[SALTUS_STATE_MAX];
+    double along[SALTUS_STATE_MAX], half[SALTUS_STATE_MAX], tangent[SALTUS_STATE_MAX + 3] = {0};
     if (at->contacts)
         return;
     const double slope = gap_slope(r, at, face, along, scratch);
     saltus_status status = open_bounce(&b, r, at, face);
+    start.tangent = tangent;
     start.unknowns = r->n + 3; /* of a cycle with one impact; those beyond the state are unused */
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .count = 1};
     start.sequence.mark[0] = (saltus_mark){SALTUS_IMPACT, face, 0.5, false};
@@ -189,7 +190,7 @@ void saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int face, con
             const int side = find_cycle(&b, period, half, &r->starved);
             start.heading = side * slope > 0 ? -1 : 1;
             for (int i = 0; i < r->n; i++)
-                start.tangent[i] = along[i] + start.heading * fabs(slope) * half[i];
+                tangent[i] = along[i] + start.heading * fabs(slope) * half[i];
             start.sequence.omega = 2 * M_PI / period;
             if (side)
                 saltus_starts_add(starts, &start, &r->starved);

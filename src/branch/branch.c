@@ -158,6 +158,7 @@ static saltus_status advance(saltus_branch *b, bool *more, saltus_message *messa
         saltus_branch_start start = saltus_starts_take(starts);
         status = of_rests ? saltus_equilibria_start(&b->equilibria, &start, message)
                           : saltus_trace_start(&b->trace, &start, message);
+        saltus_branch_start_clear(&start);
     }
     return b->equilibria.rests.starved || b->trace.orbits.starved ? saltus_branch_no_memory(message) : status;
 }
@@ -201,7 +202,7 @@ static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     int parameters;
     saltus_model_parameters(spec->model, &parameters);
     /* The first number is the version of what follows. */
-    const double own[] = {13,        a->n,         a->faces,    o->low[0],     o->high[0],
+    const double own[] = {14,        a->n,         a->faces,    o->low[0],     o->high[0],
                           o->locus,  o->low[1],    o->high[1],  o->step,       o->step_max,
                           o->points, o->direction, o->switches, o->value_count};
     const double *numbers[] = {own, spec->parameters, o->values};

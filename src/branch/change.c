@@ -50,10 +50,10 @@ static void leave_alike(saltus_orbits *o, saltus_solution *s) {
 }
 
 bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const double *parameters,
-                        const double *state, const double *old, saltus_solution *here,
+                        const double *states, const double *old, saltus_solution *here,
                         saltus_solution *next) {
     static const double ahead[] = {1e-4, 1e-3, 1e-5, 1e-2};
-    if (saltus_solution_place(o, beyond, parameters, state, false, here, NULL) != SALTUS_OK)
+    if (saltus_solution_restore(o, beyond, parameters, states, here, NULL) != SALTUS_OK)
         return false;
     if (old)
         saltus_curve_align(&here->at, old);
@@ -82,7 +82,7 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *
         if (at->breaches[k].kind == SALTUS_BREACH_SPEED && fabs(at->breaches[k].value) < slow)
             gone[at->breaches[k].mark] = true;
     saltus_sequence_without(&at->sequence, gone, &less, NULL);
-    saltus_status status = saltus_orbits_evaluate(o, &less, at->parameter, at->state, &shooting, NULL);
+    saltus_status status = saltus_orbits_evaluate(o, &less, at->parameter, at->state, 1, &shooting, NULL);
     const int count = status == SALTUS_OK ? saltus_corner_multipliers(o, shooting, re, im) : 0;
     for (int k = 0; k < count; k++) {
         ones += hypot(re[k] - 1, im[k]) < close;
@@ -109,13 +109,16 @@ void saltus_change_graze(saltus_orbits *o, const saltus_solution *from, const sa
     const saltus_breach_kind worst = saltus_solution_touch(at)->kind;
     int order[SALTUS_MARKS_MAX];
     saltus_breach *picked = calloc((size_t)at->breach_count + 1, sizeof *picked);
-    double *old = calloc((size_t)(at->at.unknowns + at->breach_count) + 1, sizeof *old);
+    const int most = at->at.unknowns + at->breach_count;
+    double *old = calloc((size_t)(most + at->sequence.cuts * o->n) + 1, sizeof *old);
     saltus_sequence other;
     bool passes = false;
     *change = (saltus_change){.kind = SALTUS_POINT_EP};
     *beyond = at->sequence;
     const bool room = picked && old;
     o->starved |= !room;
+    if (room)
+        saltus_solution_states(o, at, old + most);
     /* What makes the change is the worst breach and its mirror image: in a run of ever slower impacts the
      * last ones are almost as slow as the one that is born or dies, but only that one does. Where impacts die
      * the births are tried next. */
@@ -130,7 +133,7 @@ void saltus_change_graze(saltus_orbits *o, const saltus_solution *from, const sa
         if (!reason)
             break;
         saltus_sequence_carry(&at->sequence, at->at.tangent, fresh, order, o->n, 1, old);
-        passes = saltus_change_pass(o, fresh, at->parameter, at->state, old, here, next);
+        passes = saltus_change_pass(o, fresh, at->parameter, old + most, old, here, next);
         if (passes && attempt)
             *beyond = other;
         if (passes || !attempt)

@@ -28,11 +28,13 @@ typedef struct saltus_change {
     bool at_border;               /* `here` is on the border of the range, and so is `at` to rounding */
 } saltus_change;
 
-/* Continue the branch beyond grazing at these parameters and state: `here` becomes the same orbit with the
- * sequence `beyond`, `next` a point a little further on which the flow follows. `old` (may be NULL): the
- * tangent before grazing, in the new unknowns. False: no orbit of this period continues with other events. */
+/* Continue the branch beyond grazing at these parameters and states at the cuts: `here` becomes the same
+ * orbit with the sequence `beyond`, `next` a point a little further on which the flow follows. `old` (may be
+ * NULL): the tangent before grazing, in the new unknowns. False: no orbit of this period continues with other
+ * events. */
 bool saltus_change_pass(saltus_orbits *orbits, const saltus_sequence *beyond, const double *parameters,
-                        const double *state, const double *old, saltus_solution *here, saltus_solution *next);
+                        const double *states, const double *old, saltus_solution *here,
+                        saltus_solution *next);
 /* The change of events at the grazing orbit `at`, at the end of a step `from` another one: *change gets kind
  * GR if the branch continues with the sequence `beyond`, otherwise EP; its reason is NULL if the impact that
  * is born is too close to another one to be distinguished from it. */

@@ -354,7 +354,7 @@ static void measure_mirrored(saltus_extended *x, const saltus_solution *s, bool 
         return;
     saltus_status status = saltus_solution_state_at(o, s, halves.base, state, NULL);
     if (status == SALTUS_OK)
-        status = saltus_orbits_evaluate(o, &halves, s->parameter, state, &shooting, NULL);
+        status = saltus_orbits_evaluate(o, &halves, s->parameter, state, 1, &shooting, NULL);
     for (int k = 0; k < s->breach_count && status == SALTUS_OK && !without; k++)
         for (int j = 0; j < halves.count; j++)
             if (s->breaches[k].kind == SALTUS_BREACH_SPEED && order[j] == s->breaches[k].mark &&
@@ -460,7 +460,7 @@ static bool is_branch_point(saltus_extended *x, const saltus_solution *s, bool w
     saltus_shooting *shooting = NULL;
     double value, *a = NULL;
     saltus_status status =
-        saltus_orbits_evaluate(&x->orbits, &sequence, s->parameter, s->state, &shooting, NULL);
+        saltus_orbits_evaluate(&x->orbits, &sequence, s->parameter, s->state, 1, &shooting, NULL);
     bool branches = status == SALTUS_OK;
     if (status == SALTUS_OK) {
         const saltus_equations *e = saltus_shooting_equations(shooting);

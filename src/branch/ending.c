@@ -322,7 +322,7 @@ bool saltus_cycle_shrink(saltus_orbits *o, const saltus_shrunk *hopf, saltus_sol
     sequence.omega = hopf->omega * sequence.periods;
     saltus_status status = saltus_shooting_shape(o->shooting, &sequence, NULL);
     if (status == SALTUS_OK)
-        status = saltus_shooting_fill(o->shooting, &hopf->parameter, hopf->state, out->at.u, NULL);
+        status = saltus_shooting_fill(o->shooting, &hopf->parameter, hopf->state, 1, out->at.u, NULL);
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(o->equations, out->at.u, NULL);
     if (status == SALTUS_OK)

@@ -56,9 +56,10 @@ saltus_status saltus_equilibria_open(saltus_equilibria *e, const saltus_spec *sp
         return status;
     saltus_branch_start start = {.sequence = {.periods = 1, .cuts = 1, .contacts = rest.contacts},
                                  .parent = -1};
-    memcpy(start.state, rest.state, (size_t)r->n * sizeof *start.state);
-    saltus_equilibrium_clear(&rest);
+    start.state = rest.state;
+    start.states = r->n;
     saltus_starts_add_ways(&e->starts, &start, options->direction, &r->starved);
+    saltus_equilibrium_clear(&rest);
     return r->starved ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
@@ -227,7 +228,8 @@ static saltus_branch_start leaving(const saltus_equilibria *e, const saltus_rest
     start.origin = origin;
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .contacts = at->contacts};
     start.parameter = at->parameter[0];
-    memcpy(start.state, at->state, sizeof start.state);
+    start.state = at->state;
+    start.states = e->rests.n;
     return start;
 }
 
@@ -237,10 +239,12 @@ static void leave(saltus_equilibria *e, const saltus_rest *at) {
     saltus_rests *r = &e->rests;
     const double nothing[SALTUS_STATE_MAX] = {0};
     const bool mirrored = r->system->mirror && saltus_system_distance(r->system, at->state, nothing) < 1e-7;
+    double tangent[SALTUS_STATE_MAX + 1] = {0};
     saltus_branch_start start = leaving(e, at, SALTUS_POINT_BP);
+    start.tangent = tangent;
     start.unknowns = r->n + 1; /* as many as an orbit's; those beyond m are unused */
     const saltus_status status =
-        saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, start.tangent, NULL, NULL);
+        saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, tangent, NULL, NULL);
     if (saltus_rests_noted(r, status) == SALTUS_OK)
         saltus_starts_add_ways(&e->starts, &start, mirrored, &r->starved);
 }
@@ -295,7 +299,9 @@ static void give_hopf(saltus_equilibria *e, const saltus_rest *at, saltus_notice
     if (!saltus_trail_switches(e->trail))
         return;
     saltus_branch_start start = leaving(e, at, SALTUS_POINT_HB);
-    saltus_hopf_direction(&e->rests, &hopf, start.tangent);
+    double tangent[SALTUS_STATE_MAX + 2] = {0};
+    saltus_hopf_direction(&e->rests, &hopf, tangent);
+    start.tangent = tangent;
     start.sequence.omega = hopf.omega;
     start.unknowns = e->rests.n + 2;
     saltus_starts_add(e->cycles, &start, &e->rests.starved);

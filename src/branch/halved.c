@@ -36,7 +36,7 @@ static saltus_status evaluate_without(const shorter *s, saltus_shooting **shooti
     saltus_shooting_extract(o->shooting, s->at.u, &sequence, state);
     gone[s->x.mark] = true;
     saltus_sequence_without(&sequence, gone, &less, NULL);
-    return saltus_orbits_evaluate(o, &less, s->at.u + o->equations->count, state, shooting, NULL);
+    return saltus_orbits_evaluate(o, &less, s->at.u + o->equations->count, state, 1, shooting, NULL);
 }
 
 /* How near another impact is to grazing, too, at the orbit at s->at. */

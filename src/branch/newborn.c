@@ -178,9 +178,9 @@ static saltus_status tune(saltus_rests *r, const saltus_rest *at, double paramet
 }
 
 /* *does: whether the cycle also exists, shrunken, nearer to the stop. `out` becomes the start of its
- * branch. */
+ * branch, with this tangent. */
 static saltus_status shrinks(newborn *b, const found *f, saltus_rest *rest, saltus_branch_start *out,
-                             bool *does) {
+                             double *tangent, bool *does) {
     const double part = 0.125, slack = 0.1;
     const saltus_rest *at = b->at;
     const int n = b->rests->n;
@@ -210,7 +210,7 @@ static saltus_status shrinks(newborn *b, const found *f, saltus_rest *rest, salt
     /* Extrapolate the period, which is reported, to d = 0, but not the state. */
     out->sequence.omega = 2 * M_PI / (shorter - part * (period - shorter) / (1 - part));
     for (int i = 0; i < n && *does; i++)
-        out->tangent[i] =
+        tangent[i] =
             (less.orbit.state[i] - at->state[i]) / b->rests->state_scale[i] / (near - at->parameter[0]);
     saltus_flow_free(flow);
     saltus_lap_close(&lap);
@@ -234,7 +234,7 @@ static bool is_known(const saltus_starts *starts, const saltus_branch_start *sta
 /* Try one motion on one side, where `rest` is the equilibrium. */
 static saltus_status try(newborn *b, int trial, saltus_rest *rest, const saltus_branch_start *like,
                          saltus_starts *starts) {
-    double state[SALTUS_STATE_MAX];
+    double state[SALTUS_STATE_MAX], tangent[SALTUS_STATE_MAX + SALTUS_MARKS_MAX + 2] = {0};
     saltus_branch_start start = *like;
     found f = {.speed = 0};
     bool does = false;
@@ -245,9 +245,10 @@ static saltus_status try(newborn *b, int trial, saltus_rest *rest, const saltus_
         status = polish(b, b->system, period, state, &f);
     if (period > 0 && status == SALTUS_OK &&
         saltus_multipliers_stable(f.orbit.multipliers, f.orbit.multiplier_count))
-        status = shrinks(b, &f, rest, &start, &does);
+        status = shrinks(b, &f, rest, &start, tangent, &does);
     clear(&f);
     start.heading = b->parameter > b->at->parameter[0] ? 1 : -1;
+    start.tangent = tangent;
     start.unknowns = saltus_sequence_unknowns(&start.sequence, b->rests->n) + 1;
     if (does && status == SALTUS_OK && !is_known(starts, &start))
         saltus_starts_add(starts, &start, &b->rests->starved);

@@ -141,16 +141,17 @@ saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_m
     return SALTUS_OK;
 }
 
-saltus_status saltus_solution_place(saltus_orbits *o, const saltus_sequence *sequence,
-                                    const double *parameters, const double *state, bool polish,
-                                    saltus_solution *out, saltus_message *message) {
+/* See saltus_solution_place and _restore; from the states at the first cuts, so many as are `given`. */
+static saltus_status place(saltus_orbits *o, const saltus_sequence *sequence, const double *parameters,
+                           const double *states, int given, bool polish, saltus_solution *out,
+                           saltus_message *message) {
     saltus_equations *e = o->equations;
     int iterations = 0;
     saltus_status status = saltus_shooting_shape(o->shooting, sequence, message);
     if (status == SALTUS_OK && !saltus_curve_reserve(&out->at, e->unknowns))
         status = saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
-        status = saltus_shooting_fill(o->shooting, parameters, state, out->at.u, message);
+        status = saltus_shooting_fill(o->shooting, parameters, states, given, out->at.u, message);
     if (status == SALTUS_OK && polish)
         status = saltus_newton(e, out->at.u, NULL, NULL, true, &iterations, message);
     else if (status == SALTUS_OK)
@@ -162,6 +163,23 @@ saltus_status saltus_solution_place(saltus_orbits *o, const saltus_sequence *seq
     if (status == SALTUS_OK && o->family.parameters == 1)
         status = saltus_curve_orient(e, NULL, &out->at, message);
     return saltus_orbits_noted(o, status);
+}
+
+saltus_status saltus_solution_place(saltus_orbits *o, const saltus_sequence *sequence,
+                                    const double *parameters, const double *state, bool polish,
+                                    saltus_solution *out, saltus_message *message) {
+    return place(o, sequence, parameters, state, 1, polish, out, message);
+}
+
+saltus_status saltus_solution_restore(saltus_orbits *o, const saltus_sequence *sequence,
+                                      const double *parameters, const double *states, saltus_solution *out,
+                                      saltus_message *message) {
+    return place(o, sequence, parameters, states, sequence->cuts, false, out, message);
+}
+
+void saltus_solution_states(const saltus_orbits *o, const saltus_solution *s, double *states) {
+    for (int j = 0; j < s->sequence.cuts * o->n; j++)
+        states[j] = s->at.u[j] * saltus_shooting_scale(o->shooting)[j % o->n];
 }
 
 void saltus_orbits_reshape(saltus_orbits *o, const saltus_solution *s) {
@@ -345,23 +363,30 @@ saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltu
     return saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
-saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_sequence *sequence,
-                                  const double *parameters, const double *state, saltus_shooting **shooting,
-                                  double **u, saltus_message *message) {
+/* See saltus_orbits_shoot; from the states at the first cuts, so many as are `given`. */
+static saltus_status shoot(const saltus_orbits *o, const saltus_sequence *sequence, const double *parameters,
+                           const double *states, int given, saltus_shooting **shooting, double **u,
+                           saltus_message *message) {
     saltus_status status = saltus_shooting_new(&o->family, &o->options, shooting, message);
     if (status == SALTUS_OK)
         status = saltus_shooting_shape(*shooting, sequence, message);
     if (status != SALTUS_OK)
         return status;
     *u = saltus_shooting_equations(*shooting)->trial;
-    return saltus_shooting_fill(*shooting, parameters, state, *u, message);
+    return saltus_shooting_fill(*shooting, parameters, states, given, *u, message);
+}
+
+saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_sequence *sequence,
+                                  const double *parameters, const double *state, saltus_shooting **shooting,
+                                  double **u, saltus_message *message) {
+    return shoot(o, sequence, parameters, state, 1, shooting, u, message);
 }
 
 saltus_status saltus_orbits_evaluate(const saltus_orbits *o, const saltus_sequence *sequence,
-                                     const double *parameters, const double *state,
+                                     const double *parameters, const double *states, int given,
                                      saltus_shooting **shooting, saltus_message *message) {
     double *u;
-    saltus_status status = saltus_orbits_shoot(o, sequence, parameters, state, shooting, &u, message);
+    saltus_status status = shoot(o, sequence, parameters, states, given, shooting, &u, message);
     return status == SALTUS_OK ? saltus_equations_evaluate(saltus_shooting_equations(*shooting), u, message)
                                : status;
 }

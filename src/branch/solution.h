@@ -88,6 +88,13 @@ void saltus_solution_head(saltus_solution *solution, double heading);
 saltus_status saltus_solution_place(saltus_orbits *orbits, const saltus_sequence *sequence,
                                     const double *parameters, const double *state, bool polish,
                                     saltus_solution *out, saltus_message *message);
+/* The same from the states at all cuts (cuts x n), only evaluated: where errors of the flow grow much along
+ * the orbit, the state at its base does not tell them. */
+saltus_status saltus_solution_restore(saltus_orbits *orbits, const saltus_sequence *sequence,
+                                      const double *parameters, const double *states, saltus_solution *out,
+                                      saltus_message *message);
+/* The states at the cuts of a solution (cuts x n). */
+void saltus_solution_states(const saltus_orbits *orbits, const saltus_solution *solution, double *states);
 /* The shooting takes on the sequence of a solution again, after attempts with others. */
 void saltus_orbits_reshape(saltus_orbits *orbits, const saltus_solution *solution);
 /* For an orbit whose period is an unknown: the scaled distance that it would move in its period at the speed
@@ -152,9 +159,9 @@ bool saltus_solution_base_beyond(const saltus_orbits *orbits, const saltus_solut
 saltus_status saltus_orbits_shoot(const saltus_orbits *orbits, const saltus_sequence *sequence,
                                   const double *parameters, const double *state, saltus_shooting **shooting,
                                   double **u, saltus_message *message);
-/* The same, and evaluate its equations there. */
+/* The same from the states at the first cuts, so many as are `given`, and evaluate its equations there. */
 saltus_status saltus_orbits_evaluate(const saltus_orbits *orbits, const saltus_sequence *sequence,
-                                     const double *parameters, const double *state,
+                                     const double *parameters, const double *states, int given,
                                      saltus_shooting **shooting, saltus_message *message);
 /* The scaled distance of an orbit from one that closes after one of `parts` equal parts of the period,
  * INFINITY unless these are whole periods; 1: from one that is its own mirror image, half a period later. The

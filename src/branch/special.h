@@ -50,15 +50,12 @@ bool saltus_special_halves(saltus_orbits *orbits, const saltus_solution *solutio
  * there. */
 bool saltus_special_strays(saltus_orbits *orbits, const saltus_solution *here, const saltus_solution *next);
 
-/* Unknowns of an orbit that is not cut, and its parameter. */
-enum { SALTUS_START_UNKNOWNS_MAX = SALTUS_STATE_MAX + SALTUS_MARKS_MAX + 2 };
-
-/* Where a branch begins. */
+/* Where a branch begins. Its arrays are the maker's; a list has its own copies. */
 typedef struct saltus_branch_start {
     saltus_sequence sequence;
     double parameter;
-    double state[SALTUS_STATE_MAX]; /* at the base */
-    double tangent[SALTUS_START_UNKNOWNS_MAX];
+    const double *state, *tangent;
+    int states;   /* numbers of the states at all cuts, of the equilibrium otherwise */
     int unknowns; /* entries of the tangent; 0: it is the null vector, with the sign of `heading` */
     int heading, parent, depth;
     int place; /* number of the joined place (trail.h) that this and its like lead away from, counted
@@ -83,10 +80,12 @@ saltus_status saltus_special_between(saltus_orbits *orbits, saltus_orbits *own, 
 /* Append a copy. *starved is set without memory, here and below. */
 void saltus_starts_add(saltus_starts *starts, const saltus_branch_start *start, bool *starved);
 /* Append both directions along a branch or, if `direction` is not 0, one: with that heading, or with the
- * tangent as it is (1) or reversed (-1). start->tangent is left reversed. */
-void saltus_starts_add_ways(saltus_starts *starts, saltus_branch_start *start, int direction, bool *starved);
-/* Take out the first start. */
+ * tangent as it is (1) or reversed (-1). */
+void saltus_starts_add_ways(saltus_starts *starts, const saltus_branch_start *start, int direction,
+                            bool *starved);
+/* Take out the first start, with its arrays, which `saltus_branch_start_clear` frees. */
 saltus_branch_start saltus_starts_take(saltus_starts *starts);
+void saltus_branch_start_clear(saltus_branch_start *start);
 /* Remove those that lead away from a joined place; returns their number. */
 int saltus_starts_drop(saltus_starts *starts, int place);
 void saltus_starts_clear(saltus_starts *starts);

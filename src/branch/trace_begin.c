@@ -25,15 +25,15 @@ saltus_status saltus_trace_begin(saltus_trace *t, int periods, const double *sta
     saltus_status status =
         cycle ? saltus_cycle_polish(o->system, state, &options, &orbit, &clocked, &lap, message)
               : saltus_return_polish(o->flow, periods, state, &options, &orbit, &lap, message);
-    if (status == SALTUS_OK)
-        memcpy(start.state, orbit.state, (size_t)o->n * sizeof *start.state);
+    start.state = orbit.state;
+    start.states = o->n;
     /* A cycle that comes from flips has two, four, .. of the clock's periods, so that the place is seen where
      * it joins shorter ones. */
     const int turns = cycle && lap.periods > 0 ? lap.periods & -lap.periods : orbit.periods;
     if (status == SALTUS_OK && cycle)
         status = saltus_orbits_tune(o, at_start, orbit.omega * turns, message);
     if (status == SALTUS_OK)
-        status = saltus_sequence_make(o->flow, turns, cycle, start.state, &lap, &start.sequence, message);
+        status = saltus_sequence_make(o->flow, turns, cycle, orbit.state, &lap, &start.sequence, message);
     saltus_system_free(clocked);
     if (status == SALTUS_OK)
         saltus_starts_add_ways(t->starts, &start, t->trail->options->direction, &o->starved);
@@ -45,8 +45,8 @@ saltus_status saltus_trace_begin(saltus_trace *t, int periods, const double *sta
 /* If no branch can begin at a start that was switched to, give out one point that says why. */
 static void give_up(saltus_trace *t, const saltus_branch_start *start, const char *why) {
     t->trail->following = false;
-    if (saltus_solution_place(&t->orbits, &start->sequence, &start->parameter, start->state, false, t->here,
-                              NULL) != SALTUS_OK ||
+    if (saltus_solution_restore(&t->orbits, &start->sequence, &start->parameter, start->state, t->here,
+                                NULL) != SALTUS_OK ||
         saltus_solution_survey(&t->orbits, t->here, NULL) != SALTUS_OK || !start->origin)
         return;
     char reason[SALTUS_REASON_MAX];
@@ -100,13 +100,14 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
                                                  : saltus_boundary_cycle(o, start, apart[0][k], here, why));
         return status;
     }
+    if (start->unknowns)
+        return saltus_solution_restore(o, &sequence, &start->parameter, start->state, here, why);
     const int most = start->parent < 0 ? SALTUS_CUTS_MAX : 1;
     o->equations->bold = start->parent < 0;
     for (int cuts = 1; cuts <= most && status != SALTUS_OK; cuts *= 2) {
         if (cuts > 1)
             saltus_sequence_turn(&start->sequence, start->sequence.base, cuts, &sequence, NULL);
-        status =
-            saltus_solution_place(o, &sequence, &start->parameter, start->state, !start->unknowns, here, why);
+        status = saltus_solution_place(o, &sequence, &start->parameter, start->state, true, here, why);
         if (cuts > 1 && status == SALTUS_NO_CONVERGENCE && isfinite(o->equations->size))
             growth = fmax(growth, saltus_shooting_growth(o->shooting));
     }

@@ -111,15 +111,18 @@ bool saltus_trace_joins_part(saltus_trace *t, const saltus_solution *at, const s
     saltus_branch_start start = saltus_trail_leaving(t->trail);
     const int periods = beyond->sequence.periods;
     const int part = saltus_solution_least_period(o, beyond);
+    double state[SALTUS_STATE_MAX];
     if (part < periods) {
         const long long impacts = beyond->survey.impacts;
         saltus_orbit_label(impacts < 0 ? impacts : impacts * part / periods, part, after);
         start.parameter = beyond->parameter[0];
         start.origin = SALTUS_POINT_CH;
-        memcpy(start.state, beyond->survey.lap.points, (size_t)o->n * sizeof *start.state);
+        memcpy(state, beyond->survey.lap.points, (size_t)o->n * sizeof *state);
+        start.state = state;
+        start.states = o->n;
         if (saltus_trail_switches(t->trail) &&
-            saltus_orbits_noted(o, saltus_sequence_make(o->flow, part, false, start.state, &met,
-                                                        &start.sequence, NULL)) == SALTUS_OK)
+            saltus_orbits_noted(o, saltus_sequence_make(o->flow, part, false, state, &met, &start.sequence,
+                                                        NULL)) == SALTUS_OK)
             add_joined(t, at, &start, NULL, value);
     }
     saltus_lap_close(&met);
@@ -140,9 +143,10 @@ void saltus_trace_follow_joined(saltus_trace *t, const saltus_solution *at, salt
     if (status == SALTUS_OK && saltus_solution_walk(&own, &between) && between.survey.walked) {
         saltus_sequence_turn(&between.sequence, between.sequence.base, 1, &start.sequence, NULL);
         start.parameter = between.parameter[0];
-        memcpy(start.state, between.state, sizeof start.state);
+        start.state = between.state;
+        start.states = o->n;
+        start.tangent = between.at.tangent;
         start.unknowns = between.at.unknowns;
-        memcpy(start.tangent, between.at.tangent, (size_t)start.unknowns * sizeof *start.tangent);
         start.origin = kind;
         add_joined(t, &between, &start, NULL, value);
     }
@@ -178,7 +182,8 @@ void saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, boo
         return;
     start.sequence = sequences[0];
     start.parameter = at->parameter[0];
-    memcpy(start.state, at->state, sizeof start.state);
+    start.state = at->state;
+    start.states = t->orbits.n;
     start.origin = SALTUS_POINT_GR;
     add_joined(t, at, &start, sequences, at->value);
 }

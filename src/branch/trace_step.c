@@ -64,8 +64,10 @@ static void give_return(saltus_trace *t, const saltus_solution *s, saltus_notice
     if (!saltus_trace_same_orbit(t, s, &t->first))
         return;
     /* The other direction from the same start leads around the same branch. */
-    if (t->starts->begun == 1 && t->starts->count > 0 && t->starts->start[0].heading)
-        saltus_starts_take(t->starts);
+    if (t->starts->begun == 1 && t->starts->count > 0 && t->starts->start[0].heading) {
+        saltus_branch_start other = saltus_starts_take(t->starts);
+        saltus_branch_start_clear(&other);
+    }
     what.kind = SALTUS_POINT_EP;
     what.reason = "the branch is closed: it has come back";
     saltus_trace_give(t, s, what);

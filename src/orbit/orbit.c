@@ -54,7 +54,7 @@ static saltus_status adopt(search *s, const saltus_sequence *sequence, saltus_me
         s->u = grown;
         s->unknowns_room = unknowns;
     }
-    return saltus_shooting_fill(s->shooting, NULL, s->state, s->u, message);
+    return saltus_shooting_fill(s->shooting, NULL, s->state, 1, s->u, message);
 }
 
 /* Cut into equal segments; their number follows from the growth around the orbit. */

@@ -216,12 +216,12 @@ double saltus_shooting_growth(const saltus_shooting *p) {
 }
 
 /* The states at the cuts follow from the state at the base; times come from the sequence. */
-saltus_status saltus_shooting_fill(saltus_shooting *p, const double *parameters, const double *state,
-                                   double *u, saltus_message *message) {
+saltus_status saltus_shooting_fill(saltus_shooting *p, const double *parameters, const double *states,
+                                   int given, double *u, saltus_message *message) {
     const saltus_sequence *s = &p->sequence;
     int n = p->n;
     for (int j = 0; j < s->cuts * n; j++)
-        u[j] = j < n ? state[j] / p->scale[j] : 0;
+        u[j] = j < given * n ? states[j] / p->scale[j] : 0;
     for (int k = 0; k < s->count; k++)
         u[s->cuts * n + k] = s->mark[k].time;
     if (s->omega > 0)
@@ -230,7 +230,7 @@ saltus_status saltus_shooting_fill(saltus_shooting *p, const double *parameters,
     for (int d = 0; d < p->family.parameters; d++)
         u[p->count + d] = parameters[d];
     saltus_status status = SALTUS_OK;
-    for (int cut = 1; cut < s->cuts && status == SALTUS_OK; cut++) {
+    for (int cut = given; cut < s->cuts && status == SALTUS_OK; cut++) {
         /* The residual of the segment before this cut is the state at its end minus the unknown, which is
          * still zero. Starting from zero the flow could not find the events of later segments. */
         status = saltus_shooting_along(p, p->equations.measure ? &p->bare : &p->full, cut, u, message);

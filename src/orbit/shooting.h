@@ -102,9 +102,10 @@ const double *saltus_shooting_scale(const saltus_shooting *shooting);
 /* The system at the parameters of the last evaluation. */
 const saltus_system *saltus_shooting_system(const saltus_shooting *shooting);
 
-/* Fill the unknowns from a state at the base; the flow gives the states at the cuts. */
-saltus_status saltus_shooting_fill(saltus_shooting *shooting, const double *parameters, const double *state,
-                                   double *u, saltus_message *message);
+/* Fill the unknowns from the states at the first cuts, so many as are `given`, the base among them; the flow
+ * gives those at the others. */
+saltus_status saltus_shooting_fill(saltus_shooting *shooting, const double *parameters, const double *states,
+                                   int given, double *u, saltus_message *message);
 /* The sequence with the event times of `u`, and the state at the base. */
 void saltus_shooting_extract(const saltus_shooting *shooting, const double *u, saltus_sequence *sequence,
                              double *state);
