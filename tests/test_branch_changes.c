@@ -808,6 +808,34 @@ static void branches_leave_where_errors_grow(void **unused) {
     branch_forget(&record);
 }
 
+/* However much errors grow around an orbit, its segments are cut again from the states at all cuts: the
+ * branch goes on from where it comes down to where it turns back. */
+static void errors_grow_without_bound(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {omega: 0.695}\n"
+                               "  motion: {x: -0.16*x' + x - x^3 + 0.339*cos(omega*t)}\n"
+                               "  forcing: omega\n"
+                               "stop: {coordinate: x, d: 1.271, r: 0.71, sides: both}\n"
+                               "initial: {x: 0.3}\n";
+    static const double state[] = {-0.799525393417654, 0.248775135032897};
+    saltus_branch_options options = branch_along("omega", 0.03, 2);
+    options.direction = -1;
+    options.points = 90;
+    options.step = options.step_max = 0.1;
+    branch_record record = run_from(text, "omega=0.205623707139776", 1, state, &options);
+    double lowest = 1, growth = 0;
+    for (int j = 0; j < record.count; j++) {
+        const saltus_branch_point *p = &record.point[j];
+        lowest = fmin(lowest, p->value[0]);
+        growth = fmax(growth, p->multipliers[0].re);
+    }
+    assert_true(growth > 1e22 && last_of(&record)->value[0] > lowest + 1e-3);
+    check_near(lowest, 0.07293862834, 1e-10);
+    assert_string_equal(last_of(&record)->reason, "as many points as asked for");
+    branch_forget(&record);
+}
+
 /* Where impacts are born or die, too, all others rebound as the parameter there says. */
 static void impacts_rebound_as_told(void **unused) {
     (void)unused;
@@ -1042,6 +1070,7 @@ int main(void) {
         cmocka_unit_test(what_hardly_rebounds_chatters),
         cmocka_unit_test(ranges_end_where_scenes_do),
         cmocka_unit_test(branches_leave_where_errors_grow),
+        cmocka_unit_test(errors_grow_without_bound),
         cmocka_unit_test(impacts_rebound_as_told),
         cmocka_unit_test(a_short_run_completes),
         cmocka_unit_test(doubled_orbits_near_the_end_of_a_run),

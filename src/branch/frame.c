@@ -9,20 +9,43 @@
 
 saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *s, double time, double *state,
                                        saltus_message *message) {
-    saltus_sequence cut = s->sequence;
+    const saltus_sequence *own = &s->sequence;
+    const double later = time < own->base ? time + own->periods : time;
+    int k = own->cuts - 1;
+    saltus_sequence cut = *own;
     saltus_shooting *shooting = NULL;
     double *u;
-    if (time == cut.base) {
-        memcpy(state, s->state, (size_t)o->n * sizeof *state);
+    while (k > 0 && own->cut[k] > later)
+        k--;
+    for (int i = 0; i < o->n; i++)
+        state[i] = k ? s->at.u[k * o->n + i] * saltus_shooting_scale(o->shooting)[i] : s->state[i];
+    if (later == own->cut[k])
         return SALTUS_OK;
-    }
-    /* It is the state at a second cut of the sequence. */
+    /* It is the state at the second cut of the sequence that begins at the last one before. */
+    if (k > 0)
+        saltus_sequence_turn(own, own->cut[k], 1, &cut, NULL);
     cut.cuts = 2;
     cut.cut[0] = cut.base;
-    cut.cut[1] = time < cut.base ? time + cut.periods : time;
-    saltus_status status = saltus_orbits_shoot(o, &cut, s->parameter, s->state, &shooting, &u, message);
+    cut.cut[1] = cut.base + (later - own->cut[k]);
+    saltus_status status = saltus_orbits_shoot(o, &cut, s->parameter, state, &shooting, &u, message);
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
         state[i] = u[o->n + i] * saltus_shooting_scale(shooting)[i];
+    saltus_shooting_free(shooting);
+    return saltus_orbits_noted(o, status);
+}
+
+saltus_status saltus_solution_states_at(saltus_orbits *o, const saltus_solution *s,
+                                        const saltus_sequence *cut, double *states, saltus_message *message) {
+    saltus_shooting *shooting = NULL;
+    double *u;
+    saltus_status status = SALTUS_OK;
+    for (int j = 0; j < cut->cuts && s->sequence.cuts > 1 && status == SALTUS_OK; j++)
+        status = saltus_solution_state_at(o, s, cut->cut[j], states + j * o->n, message);
+    if (s->sequence.cuts > 1)
+        return status;
+    status = saltus_orbits_shoot(o, cut, s->parameter, s->state, &shooting, &u, message);
+    if (status == SALTUS_OK)
+        memcpy(states, saltus_shooting_states(shooting, u), (size_t)(cut->cuts * o->n) * sizeof *states);
     saltus_shooting_free(shooting);
     return saltus_orbits_noted(o, status);
 }
@@ -44,6 +67,19 @@ static bool better_section(saltus_orbits *o, const saltus_solution *s, bool leav
     return *turning || *time != begin;
 }
 
+/* The same orbit with the cuts of another sequence, whose base has this state. */
+static saltus_status place_by_cuts(saltus_orbits *o, const saltus_solution *s, const saltus_sequence *fresh,
+                                   const double *state, saltus_solution *out) {
+    double *states = calloc((size_t)(fresh->cuts * o->n), sizeof *states);
+    saltus_status status = states ? saltus_solution_states_at(o, s, fresh, states, NULL) : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK) {
+        memcpy(states, state, (size_t)o->n * sizeof *states);
+        status = saltus_solution_restore(o, fresh, s->parameter, states, out, NULL);
+    }
+    free(states);
+    return status;
+}
+
 /* Build a solution again with another sequence; `turning`: `state` is already the one at its base. If the
  * period is an unknown, that state is the anchor of a new base. */
 static saltus_status place(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
@@ -58,8 +94,10 @@ static saltus_status place(saltus_orbits *o, const saltus_solution *s, saltus_se
         status = saltus_flow_place(o->flow, 0, saltus_time_of(fresh->base), state, fresh->contacts, NULL);
     if (status == SALTUS_OK && anchored)
         saltus_sequence_anchor(fresh, o->flow, turning);
-    if (status == SALTUS_OK)
+    if (status == SALTUS_OK && old->cuts == 1)
         status = saltus_solution_place(o, fresh, s->parameter, state, false, out, NULL);
+    else if (status == SALTUS_OK)
+        status = place_by_cuts(o, s, fresh, state, out);
     if (status != SALTUS_OK || o->family.parameters != 1)
         return status;
     double *guide = calloc((size_t)saltus_sequence_unknowns(fresh, o->n) + 1, sizeof *guide);

@@ -233,13 +233,12 @@ static saltus_status walk_in_pieces(saltus_orbits *o, saltus_solution *s, saltus
                                     bool *follows, saltus_message *message) {
     saltus_sequence pieces;
     saltus_lap lap = {.keeps_events = true};
-    saltus_shooting *shooting = NULL;
-    double *u;
     saltus_sequence_turn(&s->sequence, s->sequence.base, SALTUS_CUTS_MAX, &pieces, NULL);
     if (pieces.cuts <= s->sequence.cuts)
         return SALTUS_OK;
-    saltus_status status = saltus_orbits_shoot(o, &pieces, s->parameter, s->state, &shooting, &u, message);
-    const double *states = status == SALTUS_OK ? saltus_shooting_states(shooting, u) : NULL;
+    double *states = calloc((size_t)(pieces.cuts * o->n), sizeof *states);
+    saltus_status status =
+        states ? saltus_solution_states_at(o, s, &pieces, states, message) : saltus_branch_no_memory(message);
     /* At grazing it is chance which of the flows meets the impact. */
     if (status == SALTUS_OK)
         status = saltus_sequence_walk(&pieces, cocycle && !given ? o->tangent : o->flow, states, &lap, NULL,
@@ -250,7 +249,7 @@ static saltus_status walk_in_pieces(saltus_orbits *o, saltus_solution *s, saltus
     if (*follows && status == SALTUS_OK)
         SALTUS_SWAP(s->survey.lap, lap);
     saltus_lap_close(&lap);
-    saltus_shooting_free(shooting);
+    free(states);
     return status;
 }
 
@@ -396,23 +395,18 @@ bool saltus_orbits_join(const saltus_orbits *o, double before, double apart, dou
 }
 
 double saltus_solution_part_distance(saltus_orbits *o, const saltus_solution *s, int parts, double *apart) {
-    saltus_sequence cut = s->sequence;
-    saltus_shooting *shooting = NULL;
-    double largest = INFINITY, *u;
-    if (cut.periods % parts)
-        return largest;
-    cut.cuts = 2;
-    cut.cut[1] = cut.base + (double)cut.periods / (parts == 1 ? 2 : parts);
-    saltus_status status = saltus_orbits_shoot(o, &cut, s->parameter, s->state, &shooting, &u, NULL);
-    if (saltus_orbits_noted(o, status) == SALTUS_OK)
-        largest = 0;
-    for (int i = 0; i < o->n && status == SALTUS_OK; i++) {
-        const double own = u[o->n + i] + (parts == 1 ? u[i] : -u[i]);
+    const int periods = s->sequence.periods;
+    const double later = s->sequence.base + (double)periods / (parts == 1 ? 2 : parts);
+    double state[SALTUS_STATE_MAX], largest = 0;
+    if (periods % parts || saltus_solution_state_at(o, s, later, state, NULL) != SALTUS_OK)
+        return INFINITY;
+    for (int i = 0; i < o->n; i++) {
+        const double own =
+            (state[i] + (parts == 1 ? s->state[i] : -s->state[i])) / saltus_shooting_scale(o->shooting)[i];
         largest = fmax(largest, fabs(own));
         if (apart)
             apart[i] = own;
     }
-    saltus_shooting_free(shooting);
     return largest;
 }
 

@@ -139,6 +139,10 @@ void saltus_solution_speeds(const saltus_orbits *orbits, const saltus_solution *
  * events. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_solution_state_at(saltus_orbits *orbits, const saltus_solution *solution, double time,
                                        double *state, saltus_message *message);
+/* The states at the cuts of another sequence of the same orbit (cuts x n), each from the last cut before:
+ * errors of the flow may grow too much from the base. Errors: as above. */
+saltus_status saltus_solution_states_at(saltus_orbits *orbits, const saltus_solution *solution,
+                                        const saltus_sequence *cut, double *states, saltus_message *message);
 /* Cut the orbit open elsewhere, into more segments, or with fewer marks (`trims`), if that is better
  * (sequence.h), or if it `leaves` a base that is about to touch a stop. `scratch` is overwritten. order
  * (SALTUS_MARKS_MAX entries; may be NULL): the former index of each mark. False: solution and shooting are as
