@@ -58,6 +58,11 @@ static bool factor_bordered(saltus_equations *e, const double *normal) {
     return saltus_dense_factor(&e->lu, e->matrix);
 }
 
+/* Errors that other ways to the same point cannot avoid either. */
+static bool is_final(saltus_status status) {
+    return status == SALTUS_NO_MEMORY || status == SALTUS_INTERRUPTED;
+}
+
 static void report(const saltus_equations *e, int iteration) {
     if (e->history)
         e->history(e->context, iteration, e->size, e->kind);
@@ -73,7 +78,7 @@ static saltus_status take_step(saltus_equations *e, double *u, bool damped, doub
         for (int j = 0; j < e->unknowns; j++)
             e->trial[j] = fma(factor, e->step[j], u[j]);
         saltus_status tried = saltus_equations_evaluate(e, e->trial, message);
-        if (tried == SALTUS_NO_MEMORY || tried == SALTUS_INTERRUPTED)
+        if (is_final(tried))
             return tried;
         *taken = tried == SALTUS_OK && (!damped || e->size < before || before <= e->tolerance);
     }
@@ -81,21 +86,17 @@ static saltus_status take_step(saltus_equations *e, double *u, bool damped, doub
         e->trial[j] = u[j] + e->step[j];
     if (!*taken && damped && e->bold) {
         saltus_status tried = saltus_equations_evaluate(e, e->trial, message);
-        if (tried == SALTUS_NO_MEMORY || tried == SALTUS_INTERRUPTED)
+        if (is_final(tried))
             return tried;
         /* The residual may have grown if the next step, by the Jacobian before this one, is much shorter (the
          * natural test of Deuflhard, Newton Methods for Nonlinear Problems, 2004). */
         const double much = 0.5;
-        double length = 0, next = 0;
-        for (int j = 0; j < e->unknowns && tried == SALTUS_OK; j++) {
-            length = hypot(length, e->step[j]);
+        const double length = saltus_length(e->step, e->unknowns);
+        for (int j = 0; j < e->unknowns && tried == SALTUS_OK; j++)
             e->step[j] = j < e->count ? -e->residual[j] : 0;
-        }
         if (tried == SALTUS_OK)
             saltus_dense_resolve(&e->lu, false, 1, e->step);
-        for (int j = 0; j < e->unknowns && tried == SALTUS_OK; j++)
-            next = hypot(next, e->step[j]);
-        *taken = tried == SALTUS_OK && next < much * length;
+        *taken = tried == SALTUS_OK && saltus_length(e->step, e->unknowns) < much * length;
     }
     memcpy(e->kept, u, (size_t)e->unknowns * sizeof *u);
     if (*taken)
@@ -173,7 +174,7 @@ static saltus_status approach(saltus_equations *e, double *u, const double *norm
         apart = hypot(apart, u[j] - e->place[j]);
     for (int k = 0; k < evaluations_max && !found->near; k++) {
         const saltus_status tried = find_residual(e, e->measure, e->trial, message);
-        if (tried == SALTUS_NO_MEMORY || tried == SALTUS_INTERRUPTED)
+        if (is_final(tried))
             return tried;
         const double left = evaluations_max - 1 - k;
         ratio = k ? e->size / before : 1;
@@ -186,8 +187,7 @@ static saltus_status approach(saltus_equations *e, double *u, const double *norm
         solve_step(e, e->trial, normal, anchor);
         take(e, e->trial);
         found->near = k > 0 && before * ratio <= 0.5 * within;
-        for (int j = 0; j < e->unknowns && k == 0; j++)
-            length = hypot(length, e->step[j]);
+        length = k == 0 ? saltus_length(e->step, e->unknowns) : length;
     }
     found->fall = ratio / apart;
     if (found->near)
@@ -217,7 +217,7 @@ static saltus_status polish(saltus_equations *e, double *u, int *iterations, sal
             break;
         take(e, e->trial);
         const saltus_status tried = find_residual(e, e->measure, e->trial, message);
-        if (tried == SALTUS_NO_MEMORY || tried == SALTUS_INTERRUPTED)
+        if (is_final(tried))
             return tried;
         const bool near = tried == SALTUS_OK && is_small(e, e->size, e->size / before);
         if (!near && !(tried == SALTUS_OK && e->size < fast * before))
@@ -251,10 +251,7 @@ saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal
         /* That may be the last step: residuals fall by `fall` over the distance between a point and that of
          * the Jacobian. */
         const double fall = found.near ? found.fall : steepest;
-        double length = 0;
-        for (int j = 0; j < e->unknowns; j++)
-            length = hypot(length, e->step[j]);
-        if (e->size * fall * length < rounding) {
+        if (e->size * fall * saltus_length(e->step, e->unknowns) < rounding) {
             *iterations = found.near ? found.iterations : 1;
             take(e, u);
             return status;
@@ -298,7 +295,6 @@ saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal
 
 saltus_status saltus_curve_tangent(saltus_equations *e, const double *guide, double *tangent, int *sign,
                                    double *log_determinant, saltus_message *message) {
-    double size = 0;
     if (!factor_bordered(e, guide))
         return saltus_fail(message, SALTUS_SINGULAR, "the branch has no tangent here");
     *sign = e->lu.sign;
@@ -306,10 +302,7 @@ saltus_status saltus_curve_tangent(saltus_equations *e, const double *guide, dou
     memset(tangent, 0, (size_t)e->unknowns * sizeof *tangent);
     tangent[e->count] = 1;
     saltus_dense_resolve(&e->lu, false, 1, tangent);
-    for (int j = 0; j < e->unknowns; j++)
-        size = hypot(size, tangent[j]);
-    for (int j = 0; j < e->unknowns; j++)
-        tangent[j] /= size;
+    saltus_make_unit(tangent, e->unknowns);
     return SALTUS_OK;
 }
 
