@@ -5,7 +5,7 @@
 #include "motion/ensemble.h"
 
 #include "base/progress.h"
-#include "orbit/volume.h"
+#include "orbit/multipliers.h"
 #include "system/state.h"
 #include "system/system.h"
 

@@ -11,7 +11,7 @@
 
 #include "base/bits.h"
 #include "base/dense.h"
-#include "orbit/volume.h"
+#include "orbit/multipliers.h"
 
 #include <float.h>
 #include <gsl/gsl_randist.h>

@@ -12,7 +12,7 @@
 #include "base/simd.h"
 #include "motion/motion.h"
 #include "orbit/fixed_point.h"
-#include "orbit/volume.h"
+#include "orbit/multipliers.h"
 
 #include <math.h>
 #include <stdio.h>

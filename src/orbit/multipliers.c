@@ -20,11 +20,11 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/multipliers.h"
 
+#include "base/bits.h"
 #include "base/dense.h"
 #include "base/memory.h"
 #include "base/periodic.h"
 #include "flow/flow.h"
-#include "orbit/volume.h"
 
 #include <float.h>
 #include <lapacke.h>
@@ -46,6 +46,32 @@ static const double negligible = 1e-10;
 
 /* Segments per period that suffice for the leading multipliers; most memory for segments. */
 enum { coarse = 4, bytes_max = 1 << 22 };
+
+double saltus_trace_over_step(const saltus_flow *flow, int lane, const gsl_integration_glfixed_table *table,
+                              long long *steps) {
+    const saltus_system *system = saltus_flow_system(flow, lane);
+    const double period = saltus_system_period(system), end = saltus_flow_time(flow, lane).phase;
+    double sum = 0, length = saltus_flow_step_length(flow, lane);
+    long long made = saltus_flow_information(flow, lane).steps;
+    bool fresh = made != *steps;
+    *steps = made;
+    for (size_t k = 0; k < SALTUS_TRACE_POINTS && fresh; k++) {
+        double at, weight, state[SALTUS_STATE_MAX];
+        gsl_integration_glfixed_point(0, length, k, &at, &weight, table);
+        saltus_flow_dense(flow, lane, at, state);
+        const double phase = end - (length - at) / period;
+        sum += weight * saltus_system_trace(system, state, phase - floor(phase));
+    }
+    return sum;
+}
+
+int saltus_lost_directions(const saltus_flow *flow, int lane, const saltus_event *event) {
+    int lost = 2 * saltus_count_bits(saltus_flow_contacts(flow, lane));
+    bool dead =
+        event->kind == SALTUS_IMPACT && saltus_system_restitution(saltus_flow_system(flow, lane), event->face,
+                                                                  fabs(event->velocity_before)) == 0;
+    return lost > 0 ? lost : dead;
+}
 
 /* Segments per period: so many that no direction contracts by more than e^-18 over one, so that errors of the
  * tangent vectors cost the smallest multipliers few digits. If that exceeds the limits, as many as they
@@ -155,18 +181,15 @@ bool saltus_cocycle_ends(const saltus_cocycle *cocycle, const double *matrix) {
 }
 
 static saltus_status begin_segment(saltus_cocycle *cocycle, saltus_flow *flow, saltus_message *message) {
-    if (cocycle->given)
-        return SALTUS_OK;
     const int n = cocycle->n;
     saltus_status status = reserve_segment(cocycle, message);
     if (cocycle->autonomous && status == SALTUS_OK) {
         /* The direction of the flow at the start, of unit length in the system's scales. */
-        double *field = cocycle->fields + (size_t)cocycle->count * (size_t)n, size = 0;
+        double *field = cocycle->fields + (size_t)cocycle->count * (size_t)n;
         saltus_flow_field(flow, 0, field);
-        for (int i = 0; i < n; i++) {
+        for (int i = 0; i < n; i++)
             field[i] /= cocycle->scale[i];
-            size = hypot(size, field[i]);
-        }
+        const double size = saltus_length(field, n);
         for (int i = 0; i < n; i++)
             field[i] = size > 0 ? field[i] / size : i == 0;
     }
@@ -200,7 +223,7 @@ static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, 
     double state[SALTUS_STATE_MAX];
     saltus_flow_info before = saltus_flow_information(flow, 0);
     long long steps = before.steps;
-    saltus_status status = begin_segment(cocycle, flow, message);
+    saltus_status status = cocycle->given ? SALTUS_OK : begin_segment(cocycle, flow, message);
     for (saltus_event event = {.kind = SALTUS_STEP}; event.kind != SALTUS_REACHED && status == SALTUS_OK;) {
         status = saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
         if (status != SALTUS_OK)
@@ -244,12 +267,13 @@ typedef struct iteration {
     double *start;          /* Q_0 */
     double *turn;           /* T = Q_0^T Q_m */
     double *triangles;      /* R_1 ... R_m */
-    double *balance;        /* powers of two that coordinates are divided by */
-    double *coupling; /* [k]: the largest entry of T that couples the first k directions to the others; 0 for
-                         k = 0 and k = n */
-    double *before;   /* coupling one cycle earlier */
-    double *block;    /* a block of T, followed by that of each R */
-    double *product, *real, *imaginary, *work;
+    double *block;          /* a block of T, followed by that of each R */
+    double *product;
+    double balance[SALTUS_STATE_MAX]; /* powers of two that coordinates are divided by */
+    /* [k]: the largest entry of T that couples the first k directions to the others, 0 for k = 0 and k = n;
+     * and the same one cycle earlier. */
+    double coupling[SALTUS_STATE_MAX + 1], before[SALTUS_STATE_MAX + 1];
+    double work[2 * SALTUS_STATE_MAX];
 } iteration;
 
 static double *triangle_at(const iteration *it, int m) {
@@ -277,10 +301,9 @@ static bool begin(iteration *it) {
     return true;
 }
 
-/* out = A_m q, in balanced coordinates if `balance` is given; q and out are row-major. */
-static void multiply(const double *segments, int n, int m, const double *balance, const double *q,
-                     double *out) {
-    const double *a = segments + (size_t)m * (size_t)(n * n);
+/* out = a q, where `a` is by columns, in balanced coordinates if `balance` is given, and q and out by rows.
+ */
+static void multiply(const double *a, int n, const double *balance, const double *q, double *out) {
     memset(out, 0, (size_t)(n * n) * sizeof *out);
     for (int k = 0; k < n; k++)
         for (int i = 0; i < n; i++) {
@@ -295,15 +318,12 @@ static void cycle(iteration *it) {
     int n = it->n;
     memcpy(it->start, it->basis, (size_t)(n * n) * sizeof *it->start);
     for (int m = 0; m < it->count; m++) {
-        multiply(it->segments, n, m, it->balance, it->basis, triangle_at(it, m));
+        const double *segment = it->segments + (size_t)m * (size_t)(n * n);
+        multiply(segment, n, it->balance, it->basis, triangle_at(it, m));
         saltus_dense_qr(triangle_at(it, m), n, it->basis, it->work);
     }
-    memset(it->turn, 0, (size_t)(n * n) * sizeof *it->turn);
-    for (int l = 0; l < n; l++)
-        for (int i = 0; i < n; i++)
-            for (int j = 0; j < n; j++)
-                it->turn[i * n + j] += it->start[l * n + i] * it->basis[l * n + j];
-    memcpy(it->before, it->coupling, (size_t)(n + 1) * sizeof *it->coupling);
+    multiply(it->start, n, NULL, it->basis, it->turn);
+    memcpy(it->before, it->coupling, sizeof it->coupling);
     for (int k = 1; k < n; k++) {
         it->coupling[k] = 0;
         for (int i = k; i < n; i++)
@@ -354,14 +374,14 @@ static bool block_multipliers(iteration *it, int first, int last, saltus_multipl
             for (int j = 0; j < size; j++)
                 *copy++ = from[i * n + j] * factor;
     }
-    if (!saltus_periodic_eigenvalues(it->block, it->block + size * size, size, it->count, it->product,
-                                     it->real, it->imaginary))
+    double *real = it->work, *imaginary = it->work + size;
+    if (!saltus_periodic_eigenvalues(it->block, it->block + size * size, size, it->count, it->product, real,
+                                     imaginary))
         return false;
     for (int i = 0; i < size; i++) {
-        double modulus = hypot(it->real[i], it->imaginary[i]), logarithm = scale + log(modulus);
+        double modulus = hypot(real[i], imaginary[i]), logarithm = scale + log(modulus);
         double value = exp(logarithm), unit = modulus > 0 ? modulus : 1;
-        out[i] =
-            (saltus_multiplier){value * (it->real[i] / unit), value * (it->imaginary[i] / unit), logarithm};
+        out[i] = (saltus_multiplier){value * (real[i] / unit), value * (imaginary[i] / unit), logarithm};
     }
     return true;
 }
@@ -380,15 +400,13 @@ static double rounded_coupling(const iteration *it, int k) {
     double coupling = 0;
     for (int m = 0; m < it->count; m++) {
         const double *r = triangle_at(it, m);
-        double least = INFINITY, rest = 0, size = 0;
-        for (int i = 0; i < n * n; i++)
-            size = hypot(size, r[i]);
+        double least = INFINITY, rest = 0;
         for (int i = 0; i < n; i++)
             if (i < k)
                 least = fmin(least, r[i * n + i]);
             else
                 rest = fmax(rest, r[i * n + i]);
-        coupling = (coupling * rest + DBL_EPSILON * size) / least;
+        coupling = (coupling * rest + DBL_EPSILON * saltus_length(r, n * n)) / least;
     }
     return coupling;
 }
@@ -452,20 +470,14 @@ saltus_status saltus_cocycle_multipliers(const double *segments, int n, int coun
                                          saltus_message *message) {
     enum { cycles_min = 3, cycles_max = 300, worthwhile = 3 };
     iteration it = {.n = n, .count = count, .segments = segments};
-    const size_t size = (size_t)n, square = size * size;
+    const size_t square = (size_t)n * (size_t)n;
     do {
         it.basis = saltus_arena_doubles(&it.arena, square);
         it.start = saltus_arena_doubles(&it.arena, square);
         it.turn = saltus_arena_doubles(&it.arena, square);
         it.triangles = saltus_arena_doubles(&it.arena, square * (size_t)count);
-        it.balance = saltus_arena_doubles(&it.arena, size);
-        it.coupling = saltus_arena_doubles(&it.arena, size + 1);
-        it.before = saltus_arena_doubles(&it.arena, size + 1);
         it.block = saltus_arena_doubles(&it.arena, square * (size_t)(count + 1));
         it.product = saltus_arena_doubles(&it.arena, square);
-        it.real = saltus_arena_doubles(&it.arena, size);
-        it.imaginary = saltus_arena_doubles(&it.arena, size);
-        it.work = saltus_arena_doubles(&it.arena, 2 * size);
     } while (saltus_arena_again(&it.arena));
     if (!it.arena.base)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
@@ -607,7 +619,7 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
         for (int i = 0; i < n * n; i++)
             orbit->monodromy[i] = i % (n + 1) == 0;
         for (int m = 0; m < cocycle.count; m++) {
-            multiply(cocycle.segments, n, m, NULL, orbit->monodromy, product);
+            multiply(cocycle.segments + (size_t)m * square, n, NULL, orbit->monodromy, product);
             memcpy(orbit->monodromy, product, square * sizeof *product);
         }
         status = saltus_cocycle_solve(&cocycle, orbit->multipliers, &orbit->multiplier_count, &orbit->trivial,

@@ -7,6 +7,18 @@
 
 #include <gsl/gsl_integration.h>
 
+enum { SALTUS_TRACE_POINTS = 6 };
+
+/* Integral of the Jacobian's trace over a lane's last step, by Gauss quadrature on its dense output with a
+ * table of SALTUS_TRACE_POINTS points: the other side of the sum rule (model.md, section 1). *steps is the
+ * lane's number of steps at the previous call, initially the present one. The integral is 0 if no step was
+ * made since, as between simultaneous impacts or if an event falls on the target. */
+double saltus_trace_over_step(const saltus_flow *flow, int lane, const gsl_integration_glfixed_table *table,
+                              long long *steps);
+/* Number of directions that an event maps to zero: two per lasting contact; one for an impact without
+ * rebound. */
+int saltus_lost_directions(const saltus_flow *flow, int lane, const saltus_event *event);
+
 /* The derivative along an orbit as the product A_count ... A_1 over segments so short that each keeps the
  * digits of its smallest singular value, if possible. It is filled piece by piece from a flow with n columns,
  * with work space. */
