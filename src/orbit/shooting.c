@@ -114,13 +114,15 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
     p->equations.kind = marks ? "event times unknown" : "stroboscopic map";
     p->breaches.room = 2 * marks + 2 * (marks + cuts + 1) * faces;
     p->breaches.items = calloc((size_t)p->breaches.room + 1, sizeof *p->breaches.items);
-    const size_t square = (size_t)p->n * (size_t)p->n;
+    const size_t n = (size_t)p->n, square = n * n;
     do {
         saltus_equations_reserve(&p->equations, p->response.unknowns, &p->arena);
         p->scale = saltus_arena_doubles(&p->arena, (size_t)p->count);
         p->plain = saltus_arena_doubles(&p->arena, (size_t)p->response.unknowns);
         p->speed_row = saltus_arena_doubles(&p->arena, (size_t)p->response.unknowns);
-        saltus_response_reserve(&p->response, &p->arena);
+        p->response.tangents = saltus_arena_doubles(&p->arena, square + n * (size_t)p->response.directions);
+        p->response.answer = saltus_arena_doubles(&p->arena, n * (size_t)p->response.unknowns);
+        p->response.next = saltus_arena_doubles(&p->arena, n * (size_t)p->response.unknowns);
         p->collection.since = saltus_arena_doubles(&p->arena, square);
         p->collection.work = saltus_arena_doubles(&p->arena, square);
     } while (saltus_arena_again(&p->arena));

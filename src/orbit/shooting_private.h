@@ -3,8 +3,22 @@
 #ifndef SALTUS_ORBIT_SHOOTING_PRIVATE_H
 #define SALTUS_ORBIT_SHOOTING_PRIVATE_H
 
-#include "orbit/response.h"
+#include "base/memory.h"
+#include "flow/flow.h"
 #include "orbit/shooting.h"
+
+/* Derivatives of the state along an orbit by the unknowns of the orbit's equations (`answer`). The orbit is
+ * walked in pieces. Over a piece the flow carries n tangent vectors from the identity, A, and the parameter
+ * columns from their present values; the matrix of n rows is multiplied by A at the end of each piece. A mark
+ * whose time is an unknown adds to the column of that time. */
+typedef struct saltus_response {
+    int n, unknowns;                  /* rows and columns of `answer` */
+    int plain;                        /* number of unknown states and times, which come first */
+    int directions;                   /* parameter columns of the flow */
+    int place[SALTUS_DIRECTIONS_MAX]; /* the unknown of each direction, -1: none */
+    double *tangents;      /* (n + directions) x n: the flow's tangent vectors at the end of the last piece */
+    double *answer, *next; /* n x unknowns each */
+} saltus_response;
 
 /* A flow, its system, and the parameters and omega that the system has. */
 typedef struct saltus_tuned {

@@ -25,6 +25,63 @@ double saltus_shooting_omega(const saltus_shooting *p, const double *u) {
     return p->sequence.omega > 0 ? saltus_spec_omega(&p->family.spec) * exp(-u[p->count - 1]) : 0;
 }
 
+/* Copy the flow's parameter columns into the matrix. */
+static void take_parameters(const saltus_response *r, double *answer) {
+    for (int d = 0; d < r->directions; d++)
+        for (int i = 0; i < r->n && r->place[d] >= 0; i++)
+            answer[i * r->unknowns + r->place[d]] = r->tangents[(r->n + d) * r->n + i];
+}
+
+/* Start a segment, whose state is the unknowns from `first` on, with the flow's vectors there. */
+static void start_response(saltus_response *r, saltus_flow *flow, int first) {
+    saltus_flow_tangents(flow, 0, r->tangents);
+    memset(r->answer, 0, (size_t)(r->n * r->unknowns) * sizeof *r->answer);
+    for (int i = 0; i < r->n; i++)
+        for (int k = 0; k < r->n; k++)
+            r->answer[i * r->unknowns + first + k] = r->tangents[k * r->n + i];
+    take_parameters(r, r->answer);
+}
+
+static void begin_piece(saltus_response *r, saltus_flow *flow) {
+    const int n = r->n;
+    memset(r->tangents, 0, (size_t)(n * (n + r->directions)) * sizeof *r->tangents);
+    for (int i = 0; i < n; i++)
+        r->tangents[i * n + i] = 1;
+    for (int d = 0; d < r->directions; d++)
+        for (int i = 0; i < n && r->place[d] >= 0; i++)
+            r->tangents[(n + d) * n + i] = r->answer[i * r->unknowns + r->place[d]];
+    saltus_flow_set_tangents(flow, 0, r->tangents);
+}
+
+static void end_piece(saltus_response *r, saltus_flow *flow) {
+    const int n = r->n, m = r->unknowns;
+    saltus_flow_tangents(flow, 0, r->tangents);
+    memset(r->next, 0, (size_t)(n * m) * sizeof *r->next);
+    for (int k = 0; k < n; k++)
+        for (int i = 0; i < n; i++) {
+            const double a = r->tangents[k * n + i];
+            for (int j = 0; j < r->plain; j++)
+                r->next[i * m + j] = fma(a, r->answer[k * m + j], r->next[i * m + j]);
+        }
+    take_parameters(r, r->next);
+    SALTUS_SWAP(r->answer, r->next);
+}
+
+/* The derivatives of a quantity at a mark by the unknowns, in units of `scale`, from its gradient along the
+ * tangent vectors, its rate per period, and the matrix before the piece that led to the mark. Unknown `own`
+ * is the mark's time, in periods. */
+static void respond_at_mark(const saltus_response *r, const double *gradient, double rate, double scale,
+                            int own, double *row) {
+    memset(row, 0, (size_t)r->unknowns * sizeof *row);
+    for (int i = 0; i < r->n; i++)
+        for (int j = 0; j < r->plain; j++)
+            row[j] = fma(gradient[i] / scale, r->answer[i * r->unknowns + j], row[j]);
+    for (int d = 0; d < r->directions; d++)
+        if (r->place[d] >= 0)
+            row[r->place[d]] = gradient[r->n + d] / scale;
+    row[own] += rate / scale;
+}
+
 /* Append the derivative over a piece, by columns, to that from the segment's beginning. */
 static void collect_piece(saltus_shooting *p, const double *piece) {
     saltus_collection *c = &p->collection;
@@ -35,9 +92,7 @@ static void collect_piece(saltus_shooting *p, const double *piece) {
             for (int k = 0; k < n; k++)
                 for (int i = 0; i < n; i++)
                     c->work[j * n + i] = fma(piece[k * n + i], c->since[j * n + k], c->work[j * n + i]);
-        double *swap = c->since;
-        c->since = c->work;
-        c->work = swap;
+        SALTUS_SWAP(c->since, c->work);
     } else {
         memcpy(c->since, piece, (size_t)(n * n) * sizeof *piece);
     }
@@ -65,9 +120,9 @@ static saltus_status after_step(void *context, saltus_message *message) {
                  step = saltus_flow_step_length(w->flow, 0) / w->period;
     if ((length + step) * c->into->density <= 1)
         return SALTUS_OK;
-    saltus_response_end_piece(&w->p->response, w->flow);
+    end_piece(&w->p->response, w->flow);
     saltus_status status = collect_segment(w, message);
-    saltus_response_begin_piece(&w->p->response, w->flow);
+    begin_piece(&w->p->response, w->flow);
     return status;
 }
 
@@ -116,7 +171,7 @@ static saltus_status run_piece(walk *w, double until, int mark, saltus_message *
     if (!(until >= w->time))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
     if (w->whole)
-        saltus_response_begin_piece(&w->p->response, w->flow);
+        begin_piece(&w->p->response, w->flow);
     w->time = until;
     if (!w->driven)
         return coast(w, until, mark, message);
@@ -145,7 +200,7 @@ static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_me
             ? saltus_flow_start(w->flow, 0, saltus_time_of(w->time), state, message)
             : saltus_flow_place(w->flow, 0, saltus_time_of(w->time), state, contacts, message);
     if (status == SALTUS_OK && w->whole)
-        saltus_response_start(&p->response, w->flow, cut * p->n);
+        start_response(&p->response, w->flow, cut * p->n);
     return status;
 }
 
@@ -176,12 +231,12 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
     w->driven = mark->driven;
     if (!w->whole)
         return status;
-    saltus_response_mark(&p->response, gradient, strike.equation_rate * w->period, scale, own,
-                         p->equations.jacobian + (size_t)own * (size_t)m);
+    respond_at_mark(&p->response, gradient, strike.equation_rate * w->period, scale, own,
+                    p->equations.jacobian + (size_t)own * (size_t)m);
     if (k == p->speed_mark)
-        saltus_response_mark(&p->response, speed_gradient, strike.speed_rate * w->period, scale / w->period,
-                             own, p->speed_row);
-    saltus_response_end_piece(&p->response, w->flow);
+        respond_at_mark(&p->response, speed_gradient, strike.speed_rate * w->period, scale / w->period, own,
+                        p->speed_row);
+    end_piece(&p->response, w->flow);
     if (w->collects) {
         /* The mark's time depends on the state: the flow's tangent vectors passed it at a fixed time. */
         double *tangents = p->response.tangents;
@@ -208,7 +263,7 @@ static saltus_status match(walk *w, int cut, saltus_message *message) {
         p->equations.residual[cut * n + i] = (end[i] - w->u[next * n + i]) / p->scale[i];
     if (!w->whole)
         return SALTUS_OK;
-    saltus_response_end_piece(&p->response, w->flow);
+    end_piece(&p->response, w->flow);
     for (int i = 0; i < n; i++) {
         double *row = p->equations.jacobian + (size_t)(cut * n + i) * (size_t)m;
         for (int j = 0; j < m; j++)
