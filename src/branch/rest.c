@@ -12,8 +12,7 @@
 /* The flow that evaluates the vector field, its last results, and scratch. */
 typedef struct saltus_rest_work {
     saltus_arena arena, shape_arena; /* permanent, and for the present contacts */
-    saltus_flow *flow;
-    double at[2]; /* parameters of the system */
+    saltus_tuned tuned;
     saltus_variation varied[2];
     double state[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX];
     double *jacobian;                 /* n + parameters columns of n */
@@ -49,10 +48,10 @@ saltus_status saltus_rests_open(saltus_rests *r, saltus_message *message) {
     for (int d = 0; d < r->family.parameters && status == SALTUS_OK; d++)
         status = saltus_spec_differentiable(&r->family.spec, &r->family.direction[d], message);
     if (status == SALTUS_OK)
-        status = saltus_flow_new(&first, 1, &options, &w->flow, message);
+        status = saltus_flow_new(&first, 1, &options, &w->tuned.flow, message);
     if (status != SALTUS_OK)
         return status;
-    saltus_flow_set_directions(w->flow, r->family.direction);
+    saltus_flow_set_directions(w->tuned.flow, r->family.direction);
     const size_t n = (size_t)r->n, order = (size_t)(r->width + first->face_count + 1);
     do {
         w->jacobian = saltus_arena_doubles(&w->arena, n * (n + 2));
@@ -78,11 +77,9 @@ void saltus_rests_close(saltus_rests *r) {
     if (r->work) {
         close_shape(r);
         saltus_arena_close(&r->work->arena);
-        saltus_flow_free(r->work->flow);
+        saltus_tuned_clear(&r->work->tuned);
     }
     gsl_root_fsolver_free(r->solver);
-    if (r->system != r->first)
-        saltus_system_free(r->system);
     saltus_system_free(r->first);
     free(r->work);
     *r = (saltus_rests){.n = 0};
@@ -90,16 +87,9 @@ void saltus_rests_close(saltus_rests *r) {
 
 /* Set the system to these parameters; the first one is kept. */
 static saltus_status tune(saltus_rests *r, const double *parameters, saltus_message *message) {
-    saltus_system *tuned = r->system == r->first ? NULL : r->system;
-    bool same = true;
-    for (int d = 0; d < r->family.parameters; d++)
-        same = same && parameters[d] == r->work->at[d];
-    if (same)
-        return SALTUS_OK;
-    saltus_status status =
-        saltus_family_tune(&r->family, parameters, 0, r->work->flow, &tuned, r->work->at, message);
-    if (status == SALTUS_OK)
-        r->system = tuned;
+    saltus_tuned *tuned = &r->work->tuned;
+    const saltus_status status = saltus_family_tune(&r->family, parameters, 0, tuned, message);
+    r->system = tuned->system ? tuned->system : r->first;
     return status;
 }
 
@@ -129,11 +119,11 @@ static saltus_status place(saltus_rests *r, const double *u, const double *aside
     if (status == SALTUS_OK && r->system->guarded && !saltus_system_defined(r->system, w->state, 0))
         status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "the equations have no value at an equilibrium");
     if (status == SALTUS_OK)
-        status = saltus_flow_place(w->flow, 0, (saltus_time){0, 0}, w->state, contacts, message);
+        status = saltus_flow_place(w->tuned.flow, 0, (saltus_time){0, 0}, w->state, contacts, message);
     if (status != SALTUS_OK)
         return status;
-    saltus_flow_field(w->flow, 0, w->field);
-    saltus_flow_tangent_field(w->flow, 0, w->jacobian);
+    saltus_flow_field(w->tuned.flow, 0, w->field);
+    saltus_flow_tangent_field(w->tuned.flow, 0, w->jacobian);
     if (!saltus_dense_finite(w->field, (size_t)r->n) ||
         !saltus_dense_finite(w->jacobian, (size_t)(r->n * (r->n + r->family.parameters))))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "the equations have no value at an equilibrium");
@@ -342,7 +332,7 @@ saltus_status saltus_rests_fill(saltus_rests *r, const double *parameters, const
     saltus_status status = place(r, u, NULL, 0, r->contacts, message);
     if (status != SALTUS_OK)
         return status;
-    saltus_flow_forces(r->work->flow, 0, force);
+    saltus_flow_forces(r->work->tuned.flow, 0, force);
     for (int k = 0; k < r->work->held; k++) {
         const int f = r->work->face[k];
         u[r->width + k] = force[f] * saltus_system_compliance(r->system, f) / r->force_scale;
@@ -406,10 +396,9 @@ static saltus_scaled product_of_pairs(const saltus_eigenvalue *rates, int count)
 
 saltus_status saltus_rest_see(saltus_rests *r, saltus_rest *s, saltus_message *message) {
     work *w = r->work;
-    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
     saltus_status status = saltus_rests_linear(r, s->at.u, NULL, 0, w->matrix, &s->rate_count, message);
     if (status == SALTUS_OK)
-        status = saltus_held_eigenvalues(w->matrix, s->rate_count, re, im, s->rates, message);
+        status = saltus_held_eigenvalues(w->matrix, s->rate_count, s->rates, message);
     if (status != SALTUS_OK)
         return status;
     const saltus_growing counts = saltus_eigenvalues_growing(s->rates, s->rate_count);

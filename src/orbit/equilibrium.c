@@ -33,10 +33,11 @@ typedef struct newton {
     saltus_dense_lu lu;
     int n, unknowns, iterations;
     unsigned contacts; /* contacts that hold */
-    double *state;
-    double *step, *next; /* the last step, and what the next would be: states, then forces (not increments) */
-    double size;         /* size of the last step, relative to the system's scales */
-    double *trial, *field, *jacobian; /* Jacobian by columns */
+    double state[SALTUS_STATE_MAX], trial[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX];
+    /* The last step, and what the next would be: states, then forces (not increments). */
+    double step[SALTUS_STATE_MAX + SALTUS_FACES_MAX], next[SALTUS_STATE_MAX + SALTUS_FACES_MAX];
+    double size;      /* size of the last step, relative to the system's scales */
+    double *jacobian; /* by columns */
     double *matrix, *basis, *product;
 } newton;
 
@@ -155,10 +156,9 @@ static unsigned corrected_contacts(const newton *w) {
 }
 
 static bool is_among(const unsigned *sets, int count, unsigned set) {
-    int k = 0;
-    while (k < count && sets[k] != set)
-        k++;
-    return k < count;
+    while (count > 0 && sets[count - 1] != set)
+        count--;
+    return count > 0;
 }
 
 /* Solve with the contacts that the guess and then each solution suggest, as long as these are new, then with
@@ -224,7 +224,7 @@ static saltus_status describe(newton *w, saltus_equilibrium *out, saltus_message
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equilibrium");
     saltus_held_reduce(w->basis, rows, w->n, w->jacobian, w->product, w->matrix);
     if (status == SALTUS_OK)
-        status = saltus_held_eigenvalues(w->matrix, rows, w->field, w->trial, out->eigenvalues, message);
+        status = saltus_held_eigenvalues(w->matrix, rows, out->eigenvalues, message);
     if (status != SALTUS_OK)
         return status;
     const saltus_growing counts = saltus_eigenvalues_growing(out->eigenvalues, rows);
@@ -248,11 +248,6 @@ saltus_status saltus_equilibrium_find(const saltus_system *system, const double 
             return saltus_fail(message, SALTUS_BAD_INPUT, "guess: entry %d is not a finite number", i + 1);
     const size_t size = (size_t)n, unknowns = (size_t)w.unknowns;
     do {
-        w.state = saltus_arena_doubles(&w.arena, size);
-        w.trial = saltus_arena_doubles(&w.arena, size);
-        w.field = saltus_arena_doubles(&w.arena, size);
-        w.step = saltus_arena_doubles(&w.arena, unknowns);
-        w.next = saltus_arena_doubles(&w.arena, unknowns);
         w.jacobian = saltus_arena_doubles(&w.arena, size * size);
         w.basis = saltus_arena_doubles(&w.arena, size * size);
         w.product = saltus_arena_doubles(&w.arena, size * size);

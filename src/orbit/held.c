@@ -34,17 +34,11 @@ bool saltus_held_basis(const saltus_system *system, unsigned contacts, double *b
 void saltus_held_reduce(const double *basis, int rows, int n, const double *jacobian, double *scratch,
                         double *matrix) {
     for (int i = 0; i < rows; i++)
-        for (int j = 0; j < n; j++) {
-            scratch[i * n + j] = 0;
-            for (int k = 0; k < n; k++)
-                scratch[i * n + j] += basis[i * n + k] * jacobian[j * n + k];
-        }
+        for (int j = 0; j < n; j++)
+            scratch[i * n + j] = saltus_dot(basis + i * n, jacobian + j * n, n);
     for (int i = 0; i < rows; i++)
-        for (int j = 0; j < rows; j++) {
-            matrix[i * rows + j] = 0;
-            for (int k = 0; k < n; k++)
-                matrix[i * rows + j] += scratch[i * n + k] * basis[j * n + k];
-        }
+        for (int j = 0; j < rows; j++)
+            matrix[i * rows + j] = saltus_dot(scratch + i * n, basis + j * n, n);
 }
 
 static int by_real_part(const void *a, const void *b) {
@@ -54,8 +48,9 @@ static int by_real_part(const void *a, const void *b) {
     return x->im < y->im ? 1 : x->im > y->im ? -1 : 0;
 }
 
-saltus_status saltus_held_eigenvalues(double *matrix, int rows, double *re, double *im,
-                                      saltus_eigenvalue *eigenvalues, saltus_message *message) {
+saltus_status saltus_held_eigenvalues(double *matrix, int rows, saltus_eigenvalue *eigenvalues,
+                                      saltus_message *message) {
+    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
     if (rows > 0 && !saltus_dense_eigenvalues(matrix, rows, re, im))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "the eigenvalue iteration fails");
     for (int k = 0; k < rows; k++)

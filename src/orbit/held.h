@@ -12,10 +12,10 @@ bool saltus_held_basis(const saltus_system *system, unsigned contacts, double *b
 /* Project the Jacobian (n columns of saltus_flow_tangent_field, contacts held) onto it: rows x rows. */
 void saltus_held_reduce(const double *basis, int rows, int n, const double *jacobian, double *scratch,
                         double *matrix);
-/* Eigenvalues of a reduced Jacobian (rows x rows, overwritten), by decreasing real part; `re` and `im` are
- * work space of `rows` entries. Errors: SALTUS_NO_CONVERGENCE. */
-saltus_status saltus_held_eigenvalues(double *matrix, int rows, double *re, double *im,
-                                      saltus_eigenvalue *eigenvalues, saltus_message *message);
+/* Eigenvalues of a reduced Jacobian (rows x rows, overwritten), by decreasing real part. Errors:
+ * SALTUS_NO_CONVERGENCE. */
+saltus_status saltus_held_eigenvalues(double *matrix, int rows, saltus_eigenvalue *eigenvalues,
+                                      saltus_message *message);
 
 /* Numbers of growing and decaying perturbations. A real part that is rounding beside the largest modulus
  * counts as neither, whatever the unit of time. A rest is stable if all decay. */

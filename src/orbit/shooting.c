@@ -83,10 +83,8 @@ void saltus_shooting_free(saltus_shooting *p) {
     if (!p)
         return;
     close_shape(p);
-    saltus_flow_free(p->full.flow);
-    saltus_system_free(p->full.system);
-    saltus_flow_free(p->bare.flow);
-    saltus_system_free(p->bare.system);
+    saltus_tuned_clear(&p->full);
+    saltus_tuned_clear(&p->bare);
     free(p);
 }
 

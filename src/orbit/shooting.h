@@ -74,11 +74,18 @@ typedef struct saltus_family {
 
 /* The specification at given parameter unknowns (family->parameters of them), with omega unless that is 0. */
 saltus_spec saltus_family_spec(const saltus_family *family, const double *parameters, double omega);
-/* Give a flow the system of these parameters and omega, which replaces (and frees) *system; `at` receives the
- * parameters. Errors: no derivative at a parameter, those of saltus_system_new; nothing is changed then. */
+/* A flow, the system made for it (NULL: another's, that of the specification), and the parameters and omega
+ * that it has. */
+typedef struct saltus_tuned {
+    saltus_flow *flow;
+    saltus_system *system;
+    double at[2], omega;
+} saltus_tuned;
+/* Give it the system of these parameters and omega, which replaces (and frees) the present one. Errors: no
+ * derivative at a parameter, those of saltus_system_new; nothing is changed then. */
 saltus_status saltus_family_tune(const saltus_family *family, const double *parameters, double omega,
-                                 saltus_flow *flow, saltus_system **system, double *at,
-                                 saltus_message *message);
+                                 saltus_tuned *tuned, saltus_message *message);
+void saltus_tuned_clear(saltus_tuned *tuned);
 /* Number of unknowns, without parameters, of the orbits of a sequence in n dimensions. */
 int saltus_sequence_unknowns(const saltus_sequence *sequence, int n);
 /* Make the period of a sequence an unknown, with its base at the flow's present state: on the hyperplane of

@@ -20,13 +20,6 @@ typedef struct saltus_response {
     double *answer, *next; /* n x unknowns each */
 } saltus_response;
 
-/* A flow, its system, and the parameters and omega that the system has. */
-typedef struct saltus_tuned {
-    saltus_flow *flow;
-    saltus_system *system;
-    double at[2], omega;
-} saltus_tuned;
-
 /* Collects the derivative along the orbit in short segments, for a cocycle if one is wanted. */
 typedef struct saltus_collection {
     saltus_cocycle *into;

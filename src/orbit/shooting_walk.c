@@ -292,38 +292,35 @@ saltus_spec saltus_family_spec(const saltus_family *family, const double *parame
 }
 
 saltus_status saltus_family_tune(const saltus_family *family, const double *parameters, double omega,
-                                 saltus_flow *flow, saltus_system **system, double *at,
-                                 saltus_message *message) {
+                                 saltus_tuned *tuned, saltus_message *message) {
+    bool same = omega == tuned->omega;
+    for (int d = 0; d < family->parameters; d++)
+        same = same && parameters[d] == tuned->at[d];
+    if (same)
+        return SALTUS_OK;
     saltus_spec spec = saltus_family_spec(family, parameters, omega);
-    saltus_system *tuned = NULL;
+    saltus_system *system = NULL;
     saltus_status status = SALTUS_OK;
     for (int d = 0; d < family->parameters && status == SALTUS_OK; d++)
         status = saltus_spec_differentiable(&spec, &family->direction[d], message);
     if (status == SALTUS_OK)
-        status = saltus_system_new(&spec, &tuned, message);
+        status = saltus_system_new(&spec, &system, message);
     if (status == SALTUS_OK)
-        status = saltus_flow_retune(flow, 0, tuned, message);
+        status = saltus_flow_retune(tuned->flow, 0, system, message);
     if (status != SALTUS_OK) {
-        saltus_system_free(tuned);
+        saltus_system_free(system);
         return status;
     }
-    saltus_system_free(*system);
-    *system = tuned;
-    memcpy(at, parameters, (size_t)family->parameters * sizeof *parameters);
+    saltus_system_free(tuned->system);
+    tuned->system = system;
+    memcpy(tuned->at, parameters, (size_t)family->parameters * sizeof *parameters);
+    tuned->omega = omega;
     return SALTUS_OK;
 }
 
-/* Make a flow's system that of the given parameters and omega. */
-static saltus_status tune(const saltus_family *family, saltus_tuned *t, const double *parameters,
-                          double omega, saltus_message *message) {
-    bool same = omega == t->omega;
-    for (int d = 0; d < family->parameters; d++)
-        same = same && parameters[d] == t->at[d];
-    saltus_status status =
-        same ? SALTUS_OK : saltus_family_tune(family, parameters, omega, t->flow, &t->system, t->at, message);
-    if (status == SALTUS_OK)
-        t->omega = omega;
-    return status;
+void saltus_tuned_clear(saltus_tuned *tuned) {
+    saltus_flow_free(tuned->flow);
+    saltus_system_free(tuned->system);
 }
 
 saltus_status saltus_shooting_along(saltus_shooting *p, saltus_tuned *by, int segments, const double *u,
@@ -347,7 +344,8 @@ saltus_status saltus_shooting_along(saltus_shooting *p, saltus_tuned *by, int se
     for (int j = s->cuts * p->n; j < s->cuts * p->n + s->count; j++)
         if (!(p->plain[j] >= s->base && p->plain[j] <= s->base + s->periods))
             return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
-    saltus_status status = tune(&p->family, by, u + p->count, saltus_shooting_omega(p, u), message);
+    saltus_status status =
+        saltus_family_tune(&p->family, u + p->count, saltus_shooting_omega(p, u), by, message);
     w.period = saltus_system_period(by->system);
     p->collection.whole &= !w.whole;
     if (status == SALTUS_OK && w.collects)
