@@ -19,7 +19,8 @@
 typedef struct bounce {
     int n;
     double *linear, *impact, *step, *flow, *matrix; /* n x n: A, R, exp(A h), exp(A T), exp(A T) R - 1 */
-    double *room, *row, *state;                     /* 2 n x n; normal of the face; 2 n */
+    double *room;                                   /* 2 n x n */
+    double row[SALTUS_STATE_MAX];                   /* normal of the face */
     double h, end; /* step between the periods T that are tried, and the last of them */
     saltus_dense_lu lu;
 } bounce;
@@ -72,7 +73,7 @@ static int find_cycle(bounce *b, double period, double *half, bool *starved) {
     enum { looks = 256 };
     const double grazing = 1e-6;
     const int n = b->n;
-    double *state = b->state, *moved = b->state + n, value;
+    double state[SALTUS_STATE_MAX], moved[SALTUS_STATE_MAX], value;
     exponential(b, period, b->flow);
     sign_of(b);
     const saltus_status status = saltus_dense_null_vectors(b->matrix, n, n, 1, state, &value);
@@ -109,7 +110,7 @@ static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *
     const size_t n = (size_t)r->n;
     int count;
     b->n = r->n;
-    b->linear = calloc(7 * n * n + 3 * n, sizeof *b->linear);
+    b->linear = calloc(7 * n * n, sizeof *b->linear);
     if (!b->linear || !saltus_dense_lu_open(&b->lu, b->n))
         return SALTUS_NO_MEMORY;
     b->impact = b->linear + n * n;
@@ -117,8 +118,6 @@ static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *
     b->flow = b->step + n * n;
     b->matrix = b->flow + n * n;
     b->room = b->matrix + n * n;
-    b->row = b->room + 2 * n * n;
-    b->state = b->row + n;
     saltus_status status = saltus_rests_linear(r, at->at.u, NULL, 0, b->linear, &count, NULL);
     if (status != SALTUS_OK)
         return status;

@@ -40,9 +40,7 @@ struct saltus_branch {
 static saltus_status open_run(saltus_branch *b, const saltus_spec *spec, int periods, const double *state,
                               saltus_message *message) {
     const saltus_point_kind locus = b->options.locus;
-    saltus_status status = saltus_branch_check(&b->options, spec, message);
-    if (status == SALTUS_OK)
-        status = saltus_branch_narrow(&b->options, spec, b->trail.ends, message);
+    saltus_status status = saltus_branch_fit(&b->options, spec, b->trail.ends, message);
     if (status == SALTUS_OK)
         status = saltus_trace_open(&b->trace, spec, message);
     if (status != SALTUS_OK)

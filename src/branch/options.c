@@ -52,25 +52,24 @@ saltus_branch_options saltus_branch_defaults(void) {
 
 /* Check a parameter's key, and that its value at the specification is in its range. */
 static saltus_status check_range(const saltus_branch_options *o, int k, const saltus_spec *spec,
-                                 saltus_direction *direction, saltus_message *message) {
-    double value;
-    saltus_status status = saltus_spec_direction(spec, o->key[k], direction, &value, message);
+                                 saltus_direction *direction, double *value, saltus_message *message) {
+    saltus_status status = saltus_spec_direction(spec, o->key[k], direction, value, message);
     if (status != SALTUS_OK)
         return status;
     const bool turned = !(o->low[k] < o->high[k]);
     if (turned || !isfinite(o->high[k] - o->low[k]))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must %s", o->key[k], o->low[k],
                            o->high[k], turned ? "go from low to high" : "be finite");
-    if (!(value >= o->low[k] && value <= o->high[k]))
+    if (!(*value >= o->low[k] && *value <= o->high[k]))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must hold the start, %s = %.12g",
-                           o->key[k], o->low[k], o->high[k], o->key[k], value);
+                           o->key[k], o->low[k], o->high[k], o->key[k], *value);
     return SALTUS_OK;
 }
 
-saltus_status saltus_branch_check(const saltus_branch_options *o, const saltus_spec *spec,
-                                  saltus_message *message) {
-    saltus_direction first, second;
-    saltus_status status = check_range(o, 0, spec, &first, message);
+/* Check all options; `direction` and `origin` get the parameters' directions and present values. */
+static saltus_status check(const saltus_branch_options *o, const saltus_spec *spec,
+                           saltus_direction *direction, double *origin, saltus_message *message) {
+    saltus_status status = check_range(o, 0, spec, &direction[0], &origin[0], message);
     if (status == SALTUS_OK)
         status = saltus_options_check(&saltus_branch_table, o, message);
     if (status != SALTUS_OK)
@@ -82,11 +81,12 @@ saltus_status saltus_branch_check(const saltus_branch_options *o, const saltus_s
         return saltus_fail(message, SALTUS_BAD_INPUT, "%d values asked for: at most %d are possible",
                            o->value_count, SALTUS_BRANCH_VALUES_MAX);
     if (o->locus)
-        status = saltus_spec_direction(spec, o->key[1], &second, NULL, message);
-    if (status == SALTUS_OK && o->locus && memcmp(&first, &second, sizeof first) == 0)
+        status = saltus_spec_direction(spec, o->key[1], &direction[1], NULL, message);
+    if (status == SALTUS_OK && o->locus && memcmp(&direction[0], &direction[1], sizeof *direction) == 0)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%s and %s: a curve needs two parameters, not one twice", o->key[0], o->key[1]);
-    return status == SALTUS_OK && o->locus ? check_range(o, 1, spec, &second, message) : status;
+    return status == SALTUS_OK && o->locus ? check_range(o, 1, spec, &direction[1], &origin[1], message)
+                                           : status;
 }
 
 /* Whether there is a scene this far along both parameters' directions. */
@@ -120,15 +120,16 @@ static double domain_end(const saltus_spec *spec, const saltus_direction *direct
     return last;
 }
 
-saltus_status saltus_branch_narrow(saltus_branch_options *o, const saltus_spec *spec,
-                                   char ends[2][2][SALTUS_REASON_MAX], saltus_message *message) {
+saltus_status saltus_branch_fit(saltus_branch_options *o, const saltus_spec *spec,
+                                char ends[2][2][SALTUS_REASON_MAX], saltus_message *message) {
     const saltus_branch_options given = *o;
     const int count = o->locus ? 2 : 1;
     saltus_direction direction[2] = {{.clock = 0}, {.clock = 0}};
     double origin[2] = {0};
     bool starved = false;
-    for (int k = 0; k < count; k++)
-        saltus_spec_direction(spec, o->key[k], &direction[k], &origin[k], NULL);
+    saltus_status status = check(o, spec, direction, origin, message);
+    if (status != SALTUS_OK)
+        return status;
     for (int k = 0; k < count; k++)
         for (int side = 0; side < 2; side++) {
             const double *border = side ? given.high : given.low;

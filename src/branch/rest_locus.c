@@ -21,13 +21,16 @@ static const struct {
 static saltus_status look(saltus_rest_locus *l, saltus_rest *s, saltus_message *message) {
     saltus_rests *r = &l->rests;
     const saltus_equations *e = &r->equations;
+    const saltus_rest_special *special = &r->special;
+    saltus_hopf hopf;
+    double square;
     s->tests[0] = s->tests[1] = NAN;
     saltus_status status = saltus_equations_evaluate(&r->equations, s->at.u, message);
     if (status == SALTUS_OK)
         status = saltus_rest_see(r, s, message);
-    if (status == SALTUS_OK && l->rests.special.kind == SALTUS_POINT_LP) {
+    if (status == SALTUS_OK && special->kind == SALTUS_POINT_LP) {
         const double *row = e->jacobian + (ptrdiff_t)(e->count - 1) * e->unknowns;
-        s->tests[0] = saltus_dot(row, l->rests.special.right, r->size);
+        s->tests[0] = saltus_dot(row, special->right, r->size);
         /* The sum over the eigenvalues of the product of all others: zero where two eigenvalues are zero. */
         s->tests[1] = 0;
         for (int k = 0; k < s->rate_count; k++) {
@@ -38,16 +41,13 @@ static saltus_status look(saltus_rest_locus *l, saltus_rest *s, saltus_message *
             s->tests[1] += creal(product);
         }
     }
-    if (status != SALTUS_OK || l->rests.special.kind != SALTUS_POINT_HB)
-        return status;
-    saltus_hopf hopf;
-    double square;
-    saltus_rests_pair(r, s->at.u, l->rests.special.square, &square);
-    s->tests[0] = square / (r->rate_scale * r->rate_scale);
-    if (!(square > 0))
-        return SALTUS_OK;
-    s->tests[1] = saltus_hopf_find(r, s, &hopf) ? hopf.coefficient : NAN;
-    return SALTUS_OK;
+    if (status == SALTUS_OK && special->kind == SALTUS_POINT_HB) {
+        saltus_rests_pair(r, s->at.u, special->square, &square);
+        s->tests[0] = square / (r->rate_scale * r->rate_scale);
+        if (square > 0 && saltus_hopf_find(r, s, &hopf))
+            s->tests[1] = hopf.coefficient;
+    }
+    return status;
 }
 
 /* Renew what identifies the special point in the equations. If the left null vector is reversed, so is the

@@ -14,12 +14,8 @@ saltus_status saltus_fixed_point_open(saltus_fixed_point *f, const saltus_system
     *f = (saltus_fixed_point){.n = saltus_system_dimension(system), .scale = saltus_system_scale(system)};
     const size_t n = (size_t)f->n;
     do {
-        f->state = saltus_arena_doubles(&f->arena, n);
-        f->image = saltus_arena_doubles(&f->arena, n);
         f->derivative = saltus_arena_doubles(&f->arena, n * n);
         f->matrix = saltus_arena_doubles(&f->arena, n * n);
-        f->work = saltus_arena_doubles(&f->arena, 2 * n);
-        f->pivots = (int *)(void *)saltus_arena_doubles(&f->arena, n);
     } while (saltus_arena_again(&f->arena));
     if (!f->arena.base)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a fixed point");
@@ -50,13 +46,14 @@ double saltus_fixed_point_residual(saltus_fixed_point *f) {
 
 double saltus_fixed_point_step(saltus_fixed_point *f) {
     int n = f->n;
-    double *step = f->work, length = 0;
+    int pivots[SALTUS_STATE_MAX];
+    double step[SALTUS_STATE_MAX], length = 0;
     for (int i = 0; i < n; i++) {
         step[i] = (f->image[i] - f->state[i]) / f->scale[i];
         for (int j = 0; j < n; j++)
             f->matrix[i * n + j] = (i == j) - f->derivative[i * n + j];
     }
-    if (!saltus_dense_solve(f->matrix, n, step, f->pivots) || !saltus_dense_finite(step, (size_t)n))
+    if (!saltus_dense_solve(f->matrix, n, step, pivots) || !saltus_dense_finite(step, (size_t)n))
         return INFINITY;
     for (int i = 0; i < n; i++) {
         length = fmax(length, fabs(step[i]));
@@ -87,7 +84,7 @@ bool saltus_fixed_point_find(saltus_fixed_point *f, const double *from, int step
 double saltus_fixed_point_multiplier(saltus_fixed_point *f) {
     const double discernible = 1e-4; /* relative to the largest entry of the derivative */
     size_t entries = (size_t)f->n * (size_t)f->n;
-    double size = 0, largest = 0, *real = f->work, *imaginary = f->work + f->n;
+    double size = 0, largest = 0, real[SALTUS_STATE_MAX], imaginary[SALTUS_STATE_MAX];
     for (size_t k = 0; k < entries; k++)
         size = fmax(size, fabs(f->derivative[k]));
     memcpy(f->matrix, f->derivative, entries * sizeof *f->matrix);

@@ -12,10 +12,8 @@ typedef struct saltus_fixed_point {
     saltus_map *map;
     const double *scale;
     int n;
-    double *state, *image; /* point and image of the map */
-    double *derivative;    /* derivative of the map at the state, scaled */
-    double *matrix, *work;
-    int *pivots;
+    double state[SALTUS_STATE_MAX], image[SALTUS_STATE_MAX]; /* point and image of the map */
+    double *derivative, *matrix; /* derivative of the map at the state, scaled; work space */
 } saltus_fixed_point;
 
 /* Open for orbits of `periods` periods; the caller sets `state` and always closes. Errors: those of

@@ -107,15 +107,12 @@ static saltus_status append(const search *s, saltus_harvest_orbit *found, saltus
         clear_orbit(found);
         return SALTUS_OK;
     }
-    if ((h->count & (h->count - 1)) == 0) {
-        size_t room = h->count ? 2 * (size_t)h->count : 1;
-        saltus_harvest_orbit *grown = realloc(h->orbits, room * sizeof *grown);
-        if (!grown) {
-            clear_orbit(found);
-            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d orbits", h->count + 1);
-        }
-        h->orbits = grown;
+    saltus_harvest_orbit *grown = realloc(h->orbits, ((size_t)h->count + 1) * sizeof *grown);
+    if (!grown) {
+        clear_orbit(found);
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d orbits", h->count + 1);
     }
+    h->orbits = grown;
     h->orbits[h->count++] = *found;
     return SALTUS_OK;
 }

@@ -33,7 +33,6 @@ typedef struct search {
     saltus_system *system; /* the flow's, once the period has changed; else NULL */
     saltus_lap lap;
     double *u; /* the shooting's unknowns */
-    int unknowns_room;
     /* The best orbit so far: its sequence, and its state at the sequence's base. */
     saltus_sequence sequence;
     double state[SALTUS_STATE_MAX];
@@ -46,14 +45,11 @@ static saltus_status adopt(search *s, const saltus_sequence *sequence, saltus_me
     saltus_status status = saltus_shooting_shape(s->shooting, sequence, message);
     if (status != SALTUS_OK)
         return status;
-    int unknowns = saltus_shooting_equations(s->shooting)->unknowns;
-    if (unknowns > s->unknowns_room) {
-        double *grown = realloc(s->u, (size_t)unknowns * sizeof *grown);
-        if (!grown)
-            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
-        s->u = grown;
-        s->unknowns_room = unknowns;
-    }
+    const size_t unknowns = (size_t)saltus_shooting_equations(s->shooting)->unknowns;
+    double *u = realloc(s->u, unknowns * sizeof *u);
+    if (!u)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
+    s->u = u;
     return saltus_shooting_fill(s->shooting, NULL, s->state, 1, s->u, message);
 }
 
