@@ -116,7 +116,7 @@ static void give_shared_end(saltus_trace *t, const saltus_solution *at, saltus_n
  * shrink. */
 static bool visit_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special) {
     saltus_orbits *o = &t->orbits;
-    bool is_one = hopf->is_one;
+    bool is_one = hopf && hopf->is_one;
     if (special->kind != SALTUS_POINT_HB) {
         is_one = saltus_special_visit(o, t->here, t->next->at.ahead, special, t->trial);
     } else if (is_one) {
@@ -211,9 +211,10 @@ static bool seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const salt
     return again;
 }
 
-/* Give out all special points of the step from `here` to `next`, in order; or, if it `may_repeat`, return
- * false: the step is to be repeated instead, with a shorter one. */
-static bool give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, bool may_repeat) {
+/* Give out all special points of the step from `here` to `next` that lie more than `first` ahead, in order;
+ * or, if it `may_repeat`, return false: the step is to be repeated instead, with a shorter one. `hopf` may be
+ * NULL. */
+static bool give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, double first, bool may_repeat) {
     const saltus_branch_options *options = t->trail->options;
     saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 10];
     saltus_special wanted[SALTUS_BRANCH_VALUES_MAX + 1];
@@ -226,12 +227,29 @@ static bool give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, bool m
         wanted[asked++] = (saltus_special){.test = SALTUS_TEST_VALUE, .target = t->first_value};
     const int count =
         saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
-                            hopf->found ? &hopf->special : NULL, wanted, asked, specials, &hidden, t->trial);
+                            hopf && hopf->found ? &hopf->special : NULL, wanted, asked, specials, &hidden, t->trial);
     if (may_repeat && seek_leap(t, hopf, specials, count, hidden))
         return false;
     for (int k = 0; k < count && t->trail->following; k++)
-        give_special(t, hopf, &specials[k]);
+        if (specials[k].ahead > first)
+            give_special(t, hopf, &specials[k]);
     return true;
+}
+
+/* The same up to `last`, where `trial` ends the branch or changes its events; `next` becomes the orbit there.
+ */
+static bool give_specials_before(saltus_trace *t, double first, double last) {
+    const double least = 1e-7;
+    saltus_orbits *o = &t->orbits;
+    saltus_orbits_reshape(o, t->here);
+    if (!(last - first > least) || !saltus_solution_visit(o, t->here, last, t->other) ||
+        saltus_orbits_noted(o, saltus_solution_survey(o, t->other, NULL)) != SALTUS_OK)
+        return true;
+    SALTUS_SWAP(t->next, t->other);
+    SALTUS_SWAP(t->trial, t->other);
+    const bool given = give_specials(t, NULL, first, first == 0) && t->trail->following;
+    SALTUS_SWAP(t->trial, t->other);
+    return given;
 }
 
 /* The notice of a change of events, at this distance and parameter value (NULL: the solution's). */
@@ -261,6 +279,7 @@ static void go_over(saltus_trace *t, saltus_notice what, double distance) {
     if (!t->trail->following)
         return;
     saltus_trail_jump(t->trail, distance);
+    t->trail->fresh = false;
     t->spare->at.ahead = 0;
     SALTUS_SWAP(t->here, t->spare);
     saltus_trace_give(t, t->here, (saltus_notice){.accuracy = NAN});
@@ -279,8 +298,9 @@ static bool complete_run(saltus_trace *t, bool far) {
     return true;
 }
 
-/* Leap over a change of events that only the event-driven flow sees, somewhere before `ahead`. */
-static void leap(saltus_trace *t, double ahead, saltus_leap kind, const char *why) {
+/* Leap over a change of events that only the event-driven flow sees, somewhere before `ahead`. Special points
+ * as far as `first` were given out. */
+static void leap(saltus_trace *t, double first, double ahead, saltus_leap kind, const char *why) {
     saltus_change change;
     for (int pass = 0; pass < 2; pass++) {
         saltus_change_leap(&t->orbits, t->here, ahead, kind, why, t->range, t->trial, t->spare, t->other,
@@ -293,6 +313,10 @@ static void leap(saltus_trace *t, double ahead, saltus_leap kind, const char *wh
             return;
     }
     const bool ends = !change.after[0];
+    if (!isnan(change.accuracy) && !give_specials_before(t, first, t->trial->at.ahead))
+        return;
+    if (!ends)
+        saltus_orbits_reshape(&t->orbits, t->spare);
     saltus_notice what = notice_of(&change, t->trial->at.ahead, change.value != 0 ? &change.value : NULL);
     if (ends)
         what.addition = "; beyond it no orbit of this period was found";
@@ -339,7 +363,7 @@ static bool ends_flight(const saltus_solution *s) {
 void saltus_trace_leave_grazing(saltus_trace *t) {
     saltus_hopf_ahead hopf;
     saltus_cycle_seek_hopf(&t->orbits, t->here, t->next, t->other, t->trial, &hopf);
-    give_specials(t, &hopf, false);
+    give_specials(t, &hopf, 0, false);
     if (t->trail->following)
         saltus_trace_accept(t, true, NULL);
 }
@@ -377,7 +401,7 @@ static void graze(saltus_trace *t, double accuracy) {
     const bool run = !change.reason || ends_run(at) || t->births.count > 2;
     if (change.kind == SALTUS_POINT_EP && !joins && (run || ends_flight(at))) {
         saltus_orbits_reshape(o, t->here);
-        leap(t, 2 * at->at.ahead, run ? SALTUS_LEAP_RUN : SALTUS_LEAP_EVENTS,
+        leap(t, at->at.ahead, 2 * at->at.ahead, run ? SALTUS_LEAP_RUN : SALTUS_LEAP_EVENTS,
              run ? "grazings follow one another ever more closely" : "the contact changes");
         return;
     }
@@ -482,6 +506,8 @@ static bool find_end(saltus_trace *t) {
     double value;
     if (saltus_boundary_reach(o, t->here, next, t->trial, &zero, &value)) {
         saltus_solution_survey(o, t->trial, NULL);
+        if (!give_specials_before(t, 0, 0.999 * zero.ahead))
+            return true;
         give_shared_end(t, t->trial,
                         (saltus_notice){.kind = SALTUS_POINT_BE,
                                         .ahead = zero.ahead,
@@ -524,6 +550,9 @@ static bool fade(saltus_trace *t) {
                           .after = after,
                           .change = true,
                           .grazing = &t->trial->worst};
+    if (!give_specials_before(t, 0, 0.999 * what.ahead))
+        return true;
+    saltus_orbits_reshape(o, t->spare);
     t->births.count = 0;
     saltus_solution_head(t->spare, heading);
     saltus_solution_survey(o, t->trial, NULL);
@@ -635,7 +664,7 @@ static void go_on_lost(saltus_trace *t, saltus_status reason, const char *why) {
         saltus_solution_refine(&t->orbits, t->here, t->trial, NULL))
         trail->step = trail->options->step;
     else if (!end_at_saddle(t, t->here, 0, true))
-        leap(t, 2 * trail->step, SALTUS_LEAP_LOST, reason == SALTUS_NO_CONVERGENCE && rounds ? grows : why);
+        leap(t, 0, 2 * trail->step, SALTUS_LEAP_LOST, reason == SALTUS_NO_CONVERGENCE && rounds ? grows : why);
 }
 
 /* The longest step from a solution. For a cycle the states at all cuts count in the arclength; scale the step
@@ -671,7 +700,7 @@ static void go_on(saltus_trace *t, bool breached, const saltus_zero *breach, int
     saltus_trail *trail = t->trail;
     const saltus_breach_kind kind = t->next->worst.kind;
     if (breached && !breach->found) {
-        leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed);
+        leap(t, 0, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed);
         return;
     }
     if (find_end(t))
@@ -680,18 +709,20 @@ static void go_on(saltus_trace *t, bool breached, const saltus_zero *breach, int
         const bool free = before->impacts >= 0 && before->sticking_intervals == 0;
         const double hidden = free && reached >= 0 ? hidden_breach(t) : 0;
         if (hidden == 0)
-            leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed);
+            leap(t, 0, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed);
         else
             trail->step = hidden;
         return;
     }
-    if (!give_specials(t, hopf, true) || !trail->following)
+    if (breached && reached < 0 && (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE)) {
+        leap(t, 0, t->next->at.ahead, SALTUS_LEAP_EVENTS, "the contact changes");
+        return;
+    }
+    if (!give_specials(t, hopf, 0, true) || !trail->following)
         return;
     trail->step = saltus_curve_next_step(trail->step, t->next->at.iterations, longest_step(t, t->next));
     if (reached >= 0)
         end_at_border(t, t->next, t->next->at.ahead);
-    else if (breached && (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE))
-        leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, "the contact changes");
     else if (breached)
         graze(t, breach->accuracy);
     else
@@ -720,7 +751,7 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     status = breached ? cut_at_breach(t, &breach, &reached, &why) : saltus_solution_survey(o, t->next, &why);
     /* Along a border that the parameter's domain does not contain rounding may lead to it. */
     if (status == SALTUS_BAD_INPUT)
-        leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, why.text);
+        leap(t, 0, t->next->at.ahead, SALTUS_LEAP_EVENTS, why.text);
     else if (status == SALTUS_OK)
         go_on(t, breached, &breach, reached, &hopf);
     else
