@@ -225,9 +225,9 @@ static bool give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, double
             .kind = SALTUS_POINT_UZ, .test = SALTUS_TEST_VALUE, .target = options->values[asked]};
     if (t->first.points && t->trail->regular > 10)
         wanted[asked++] = (saltus_special){.test = SALTUS_TEST_VALUE, .target = t->first_value};
-    const int count =
-        saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
-                            hopf && hopf->found ? &hopf->special : NULL, wanted, asked, specials, &hidden, t->trial);
+    const int count = saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
+                                          hopf && hopf->found ? &hopf->special : NULL, wanted, asked,
+                                          specials, &hidden, t->trial);
     if (may_repeat && seek_leap(t, hopf, specials, count, hidden))
         return false;
     for (int k = 0; k < count && t->trail->following; k++)
@@ -263,6 +263,43 @@ static saltus_notice notice_of(const saltus_change *change, double ahead, const 
                            .change = true};
 }
 
+/* How far `b` is ahead of `a` along its tangent. */
+static double distance_ahead(const saltus_curve_point *a, const saltus_curve_point *b) {
+    double ahead = 0;
+    for (int j = 0; j < a->unknowns; j++)
+        ahead += a->tangent[j] * (b->u[j] - a->u[j]);
+    return ahead;
+}
+
+/* The branch goes on at `spare`, beyond the change at `trial`: give out the special points on the way back
+ * from there to the change, as far as the flow follows that. `same`: both have the same sequence. */
+static void give_specials_beyond(saltus_trace *t, bool same) {
+    const double least = 1e-5, flat = 1e-3;
+    saltus_orbits *o = &t->orbits;
+    const saltus_curve_point *before = &t->trial->at;
+    const double apart = fabs(t->spare->parameter[0] - t->trial->parameter[0]);
+    bool found = false;
+    same = same && before->unknowns == t->spare->at.unknowns;
+    for (double back = apart / fmax(fabs(saltus_solution_heading(t->spare)), flat); back > least && !found;
+         back *= 0.5)
+        found = saltus_solution_visit(o, t->spare, -back, t->here) && t->here->worst.value < 0 &&
+                !saltus_curve_strays(&t->spare->at, &t->here->at) &&
+                !(same && distance_ahead(before, &t->here->at) < 0) &&
+                saltus_orbits_noted(o, saltus_solution_survey(o, t->here, NULL)) == SALTUS_OK &&
+                t->here->survey.follows;
+    if (!found)
+        return;
+    const double ahead = distance_ahead(&t->here->at, &t->spare->at);
+    if (!saltus_solution_visit(o, t->here, ahead, t->next) ||
+        saltus_orbits_noted(o, saltus_solution_survey(o, t->next, NULL)) != SALTUS_OK)
+        return;
+    t->trail->arclength -= ahead;
+    give_specials(t, NULL, 0, false);
+    t->trail->arclength += ahead;
+    saltus_survey_follow(&t->spare->survey, &t->here->survey, -ahead);
+    saltus_orbits_reshape(o, t->spare);
+}
+
 /* Give out the change at `trial`, unless it is REGULAR; `spare`, this far along, becomes `here`, unless that
  * is an orbit of a shorter period. */
 static void go_over(saltus_trace *t, saltus_notice what, double distance) {
@@ -280,6 +317,9 @@ static void go_over(saltus_trace *t, saltus_notice what, double distance) {
         return;
     saltus_trail_jump(t->trail, distance);
     t->trail->fresh = false;
+    give_specials_beyond(t, !changes);
+    if (!t->trail->following)
+        return;
     t->spare->at.ahead = 0;
     SALTUS_SWAP(t->here, t->spare);
     saltus_trace_give(t, t->here, (saltus_notice){.accuracy = NAN});
@@ -664,7 +704,8 @@ static void go_on_lost(saltus_trace *t, saltus_status reason, const char *why) {
         saltus_solution_refine(&t->orbits, t->here, t->trial, NULL))
         trail->step = trail->options->step;
     else if (!end_at_saddle(t, t->here, 0, true))
-        leap(t, 0, 2 * trail->step, SALTUS_LEAP_LOST, reason == SALTUS_NO_CONVERGENCE && rounds ? grows : why);
+        leap(t, 0, 2 * trail->step, SALTUS_LEAP_LOST,
+             reason == SALTUS_NO_CONVERGENCE && rounds ? grows : why);
 }
 
 /* The longest step from a solution. For a cycle the states at all cuts count in the arclength; scale the step
