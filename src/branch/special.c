@@ -164,38 +164,78 @@ static void hide_rounding(place *places, int known, double ahead) {
         }
 }
 
+/* Places with the products of saltus_survey there, NAN where these are not known. */
+typedef struct samples {
+    double ahead[9], value[3][9];
+    int count;
+} samples;
+
+/* Insert a place in order. */
+static void add_sample(samples *s, double ahead, const double product[3]) {
+    int k = s->count++;
+    for (; k > 0 && s->ahead[k - 1] > ahead; k--) {
+        s->ahead[k] = s->ahead[k - 1];
+        for (int f = 0; f < 3; f++)
+            s->value[f][k] = s->value[f][k - 1];
+    }
+    s->ahead[k] = ahead;
+    for (int f = 0; f < 3; f++)
+        s->value[f][k] = product[f];
+}
+
+/* Whether a product may cross zero between sample k and the next one and come back, by the sample before or
+ * the one beyond. */
+static bool dips_after(const samples *s, int f, int k, double *lowest) {
+    const double deep = 0.8, *x = s->ahead, *y = s->value[f];
+    if (k > 0 && saltus_curve_dips(x + k - 1, y + k - 1, deep, lowest))
+        return true;
+    if (k + 2 >= s->count)
+        return false;
+    const double back[] = {-x[k + 2], -x[k + 1], -x[k]}, value[] = {y[k + 2], y[k + 1], y[k]};
+    const bool dips = saltus_curve_dips(back, value, deep, lowest);
+    *lowest = -*lowest;
+    return dips;
+}
+
 /* Two multipliers may cross the unit circle, or one may cross it and come back, so that neither their number
  * outside nor the signs of tests tell. The products of saltus_survey fall towards zero there: places where
- * the parabolas through their values, also at the point before the step, are lowest. Where curves cross, and
- * a branch may turn back into itself, that would be the crossing. */
-static int part_dips(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
+ * the parabolas through their values, also at the point before the step, are lowest. If that one is not
+ * known, as on the first step of a branch, points within the step take its place; so they do for an orbit
+ * that grazes. Where curves cross, and a branch may turn back into itself, that would be the crossing. At the
+ * start of a `fresh` branch a multiplier is 1. */
+static int part_dips(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
                      int product_count, saltus_solution *scratch, place *places, int known) {
-    enum { most = 6 };
-    const double deep = 0.8;
-    const saltus_survey *at[] = {&from->survey, &to->survey};
-    double ahead[most + 3] = {from->survey.past_place, 0, to->at.ahead}, value[3][most + 3], lowest;
-    const bool crosses = saltus_test_crosses(places[0].value[SALTUS_TEST_CROSSING],
-                                             places[known - 1].value[SALTUS_TEST_CROSSING]);
-    int count = from->survey.past_place < 0 && !crosses ? 3 : 0;
-    for (int f = 0; f < 3; f++) {
-        value[f][0] = from->survey.past[f];
-        for (int k = 0; k < 2; k++)
-            value[f][k + 1] = at[k]->circle[f];
+    enum { most = sizeof((samples *)0)->ahead / sizeof(double) };
+    const double all = to->at.ahead;
+    const saltus_survey *survey = &from->survey;
+    double lowest = 0, start[] = {fresh ? NAN : survey->circle[0], survey->circle[1], survey->circle[2]};
+    samples s = {.count = 0};
+    if (saltus_test_crosses(places[0].value[SALTUS_TEST_CROSSING],
+                            places[known - 1].value[SALTUS_TEST_CROSSING]))
+        return known;
+    if (survey->past_place < 0)
+        add_sample(&s, survey->past_place, survey->past);
+    if (isfinite(survey->circle[1]))
+        add_sample(&s, 0, start);
+    add_sample(&s, all, to->survey.circle);
+    for (double within = 0.5 * all; s.count < 3; within *= 0.5) {
+        const int before = known;
+        known = insert(o, from, within, 0, scratch, places, known);
+        if (known == before)
+            return known;
+        hide_rounding(places, known, within);
+        add_sample(&s, within, scratch->survey.circle);
     }
-    for (int k = 0; k + 2 < count;) {
+    for (int k = s.ahead[0] < 0; k + 1 < s.count;) {
         const int before = known;
         bool dips = false;
-        for (int f = 0; f < product_count && !dips && count < most + 3; f++)
-            dips = saltus_curve_dips(ahead + k, value[f] + k, deep, &lowest);
+        for (int f = 0; f < product_count && !dips && s.count < most; f++)
+            dips = dips_after(&s, f, k, &lowest);
         if (dips)
             known = insert(o, from, lowest, 0, scratch, places, known);
         if (known > before) {
             hide_rounding(places, known, lowest);
-            for (int j = count++; j > k + 1; j--) {
-                ahead[j] = j == k + 2 ? lowest : ahead[j - 1];
-                for (int f = 0; f < 3; f++)
-                    value[f][j] = j == k + 2 ? scratch->survey.circle[f] : value[f][j - 1];
-            }
+            add_sample(&s, lowest, scratch->survey.circle);
         }
         k += known == before;
     }
@@ -258,7 +298,7 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
     if (places[known - 1].outside < 0)
         known = insert(o, from, (1 - just) * to->at.ahead, ~(1u << SALTUS_TEST_PAIR), scratch, places, known);
     const int kind_count = stays_on_circle(from, to) ? 3 : 4;
-    known = part_dips(o, from, to, kind_count - 1, scratch, places, known);
+    known = part_dips(o, from, to, fresh, kind_count - 1, scratch, places, known);
     for (int pass = 0; pass < 2; pass++) {
         known = part_crossings(o, from, scratch, places, known);
         for (int k = 0; k < kind_count; k++) {
@@ -479,15 +519,38 @@ saltus_status saltus_special_between(saltus_orbits *o, saltus_orbits *own, const
     return status;
 }
 
-/* Where the orbits between the halves of those near `at` have a zero of their own test. This locates the
- * place better than the equations of the branch that joins them there, which are singular. */
+/* `at`, on the curve of `from`, becomes `orbit`, which is of half the period or its own mirror image. It
+ * keeps its tangent. */
+static void repeat(saltus_orbits *o, const saltus_solution *from, const saltus_solution *orbit,
+                   saltus_solution *at) {
+    saltus_sequence sequence = at->sequence;
+    const saltus_mark *mark = orbit->sequence.mark;
+    const int count = orbit->sequence.count;
+    for (int k = 0; k < sequence.count; k++)
+        sequence.mark[k].time = mark[k % count].time + (double)orbit->sequence.periods * (k / count);
+    saltus_status status = saltus_shooting_shape(o->shooting, &sequence, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_shooting_fill(o->shooting, orbit->parameter, orbit->state, at->at.u, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(o->equations, at->at.u, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, at, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_solution_survey(o, at, NULL);
+    saltus_orbits_noted(o, status);
+    saltus_orbits_reshape(o, from);
+}
+
+/* Where the orbits between the halves of those near `at` have a zero of their own test: `place` becomes that
+ * orbit, opened for other equations. This locates the place better than the equations of the branch that
+ * joins them there, which are singular. */
 static saltus_zero zero_between_halves(saltus_orbits *o, const saltus_solution *at, bool mirrored,
-                                       double *value) {
+                                       saltus_solution *place) {
     static const double reach[] = {1e-2, 1e-3, 1e-4};
     /* Near the place a residual moves orbits by many times its size. */
     const double near = 1e-3, tolerance = 1e-13;
     saltus_orbits own = {.family = o->family, .origin = o->origin, .options = o->options};
-    saltus_solution between = {.value = 0}, side[2] = {{.value = 0}, {.value = 0}}, place = {.value = 0};
+    saltus_solution between = {.value = 0}, side[2] = {{.value = 0}, {.value = 0}};
     saltus_zero zero = {.found = false};
     own.options.tolerance = fmin(own.options.tolerance, tolerance);
     saltus_status status = saltus_orbits_open(&own, NULL);
@@ -495,32 +558,31 @@ static saltus_zero zero_between_halves(saltus_orbits *o, const saltus_solution *
         status = saltus_special_between(o, &own, at, mirrored, &between);
     for (int k = 0; k < 3 && status == SALTUS_OK && !zero.found; k++) {
         if (mirrored) {
-            zero = saltus_solution_crossing(&own, SALTUS_TEST_CROSSING, &between, 0, reach[k], &place);
+            zero = saltus_solution_crossing(&own, SALTUS_TEST_CROSSING, &between, 0, reach[k], place);
         } else if (saltus_solution_visit(&own, &between, -reach[k], &side[0]) &&
                    saltus_solution_visit(&own, &side[0], 2 * reach[k], &side[1]) &&
                    saltus_test_crosses(saltus_test_value(SALTUS_TEST_FLIP, 0, &side[0], &side[0]),
                                        saltus_test_value(SALTUS_TEST_FLIP, 0, &side[1], &side[0]))) {
-            zero = saltus_solution_zero(&own, SALTUS_TEST_FLIP, 0, &side[0], &side[1], &place);
+            zero = saltus_solution_zero(&own, SALTUS_TEST_FLIP, 0, &side[0], &side[1], place);
         }
-        zero.found = zero.found && fabs(place.parameter[0] - at->parameter[0]) < near;
+        zero.found = zero.found && fabs(place->parameter[0] - at->parameter[0]) < near;
         if (zero.found)
             zero.accuracy += mirrored
-                                 ? doubt_of(&own, SALTUS_TEST_CROSSING, &between, 0, reach[k], place.value)
-                                 : saltus_special_doubt(&own, SALTUS_TEST_FLIP, &place);
+                                 ? doubt_of(&own, SALTUS_TEST_CROSSING, &between, 0, reach[k], place->value)
+                                 : saltus_special_doubt(&own, SALTUS_TEST_FLIP, place);
     }
-    *value = place.value;
     saltus_orbits_noted(o, own.starved ? SALTUS_NO_MEMORY : status);
     saltus_solution_clear(&between);
     for (int k = 0; k < 2; k++)
         saltus_solution_clear(&side[k]);
-    saltus_solution_clear(&place);
     saltus_orbits_close(&own);
     return zero;
 }
 
 /* Whether at `at`, a fold, the branch joins that of half the period or, `mirrored`, asymmetric orbits join
- * those that are their own mirror images. */
-static bool joins(saltus_orbits *o, const saltus_solution *from, const saltus_solution *at, bool mirrored,
+ * those that are their own mirror images. If the place is found on that branch, `at` becomes the orbit there.
+ */
+static bool joins(saltus_orbits *o, const saltus_solution *from, saltus_solution *at, bool mirrored,
                   saltus_special *special) {
     if (mirrored && !o->system->mirror)
         return false;
@@ -533,18 +595,22 @@ static bool joins(saltus_orbits *o, const saltus_solution *from, const saltus_so
     if (!(before > asymmetric &&
           (mirrored ? apart < 1e-3 && closes : apart < 2e-2 && at->sequence.count % 2 == 0)))
         return false;
-    double value;
-    const saltus_zero zero = zero_between_halves(o, at, mirrored, &value);
-    const bool found = zero.found && fabs(value - at->value) < 1e-6 * unit;
-    if (!mirrored && !found && !(closes && apart < 1e-4))
+    saltus_solution place = {.value = 0};
+    const saltus_zero zero = zero_between_halves(o, at, mirrored, &place);
+    const bool found = zero.found && fabs(place.value - at->value) < 1e-6 * unit;
+    const bool is_one = mirrored || found || (closes && apart < 1e-4);
+    if (is_one && zero.found) {
+        special->value = place.value;
+        special->accuracy = zero.accuracy;
+    }
+    if (is_one && found)
+        repeat(o, from, &place, at);
+    saltus_solution_clear(&place);
+    if (!is_one)
         return false;
     special->kind = mirrored ? SALTUS_POINT_BP : SALTUS_POINT_PD;
     special->end = mirrored ? "joins the orbits that are their own mirror images"
                             : "joins the orbits of half the period";
-    if (zero.found) {
-        special->value = value;
-        special->accuracy = zero.accuracy;
-    }
     return true;
 }
 

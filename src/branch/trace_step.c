@@ -186,17 +186,29 @@ static void give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_
         give_branching(t, t->trial, what, NULL);
 }
 
+/* How close the multipliers come to the unit circle, in the logarithm of their modulus. */
+static double off_circle(const saltus_survey *survey) {
+    double off = INFINITY;
+    for (int k = 0; k < survey->multiplier_count; k++)
+        off = fmin(off, fabs(survey->multipliers[k].log_modulus));
+    return off;
+}
+
 /* A step may leap from one curve to another where these turn sharply beside one another. They then seem to
  * cross, although no orbit there is a branch point. Whether they do, or special points cannot be reached or
  * may be `hidden`, or one that cannot be told from a fold or branch point may lie just beyond the step's end,
  * so that the step is to be repeated with a shorter one, which may tell. */
 static bool seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const saltus_special *specials,
                       int count, bool hidden) {
-    const double least = 1e-5, short_enough = 1e-3, close = 1e-4, shorter = 0.7;
+    const double least = 1e-5, short_enough = 1e-3, close = 1e-4, shorter = 0.7, rounding = 1e-7,
+                 clear = 1e-4;
     const saltus_special *last = count > 0 ? &specials[count - 1] : NULL;
     const bool at_end = last && (last->kind == SALTUS_POINT_LP || last->kind == SALTUS_POINT_BP) &&
                         t->next->at.ahead - last->ahead < close;
-    bool again = (hidden || at_end) && t->next->at.ahead > short_enough;
+    /* Nor does a row belong where rounding decides on which side of the circle a multiplier is. */
+    const bool marginal = off_circle(&t->next->survey) < rounding && off_circle(&t->here->survey) > clear;
+    bool again =
+        ((hidden || at_end) && t->next->at.ahead > short_enough) || (marginal && t->next->at.ahead > least);
     for (int k = 0; k < count && !again && t->next->at.ahead > least; k++) {
         saltus_special special = specials[k];
         bool is_one = true;
@@ -207,7 +219,7 @@ static bool seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const salt
         again = !is_one || (special.kind == SALTUS_POINT_BP && !isfinite(special.accuracy));
     }
     if (again)
-        t->trail->step = (at_end ? shorter : 0.5) * t->next->at.ahead;
+        t->trail->step = (at_end || marginal ? shorter : 0.5) * t->next->at.ahead;
     return again;
 }
 

@@ -164,7 +164,7 @@ static int count_outside(const saltus_branch_point *point, saltus_point_kind kin
 
 /* `point`: the last in the queue. */
 static void judge_stability(const saltus_trail *t, const saltus_notice *what, saltus_branch_point *point) {
-    const saltus_point_kind kind = point->locus ? point->locus : what->kind;
+    const saltus_point_kind kind = point->locus ? point->locus : what->kind ? what->kind : what->origin;
     const saltus_branch_point *last = t->queue.count > 1 ? point - 1 : NULL;
     if (marginal >> kind & 1) {
         point->stable = false;

@@ -26,12 +26,13 @@ typedef struct saltus_trail {
 /* What a point says beyond what its solution tells. */
 typedef struct saltus_notice {
     saltus_point_kind kind;
+    saltus_point_kind origin; /* of a regular point: the kind of the special point that it is, too */
     double ahead, accuracy;
     const char *reason, *addition; /* its two parts; NULL: none */
     const char *after;             /* label beyond; NULL: none */
     const double *value;           /* NULL: the solution's */
     bool change;                   /* a change of events: label and counts are those of the orbit before it */
-    bool joins; /* PD: the branch ends at orbits of half the period, so that its multiplier is 1 */
+    bool joins; /* PD: the branch ends or begins at orbits of half the period, so that its multiplier is 1 */
     const saltus_breach *grazing; /* the touch, which a GR or BE tells; NULL: not known */
 } saltus_notice;
 
