@@ -215,17 +215,24 @@ static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *sta
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 
+/* The sequence with all events left to the flow. */
+static saltus_sequence left_to_flow(const saltus_sequence *old) {
+    saltus_sequence driven = *old;
+    driven.driven = true;
+    driven.count = 0;
+    driven.cuts = 1;
+    driven.cut[0] = old->base;
+    return driven;
+}
+
 /* Shooting with the flow's own events: if there is an orbit of the period of `old` near `state` (n, at the
  * base of `old`), `out` becomes that orbit with the sequence that the flow meets on it, and `state` its state
  * there. */
 static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const double *parameters,
                          double *state, saltus_solution *out) {
-    saltus_sequence met, driven = *old;
+    const saltus_sequence driven = left_to_flow(old);
+    saltus_sequence met;
     double fresh[SALTUS_STATE_MAX];
-    driven.driven = true;
-    driven.count = 0;
-    driven.cuts = 1;
-    driven.cut[0] = old->base;
     if (saltus_orbits_tune(o, parameters, old->omega, NULL) != SALTUS_OK)
         return false;
     /* A guess along the tangent may lie beyond a stop, above all where a contact becomes permanent. */
@@ -561,21 +568,83 @@ static bool accumulate(const saltus_births *run, double *limit, double *rest) {
            fabs(*rest) > least;
 }
 
+/* `out` becomes the orbit `s` cut open in the flight after its slowest impact. */
+static bool open_after_run(saltus_orbits *o, const saltus_solution *s, saltus_solution *out) {
+    const saltus_sequence *old = &s->sequence;
+    saltus_sequence fresh;
+    int slowest = -1;
+    double speed[SALTUS_MARKS_MAX], state[SALTUS_STATE_MAX];
+    saltus_solution_speeds(o, s, speed);
+    for (int k = 0; k < old->count; k++)
+        if (old->mark[k].kind == SALTUS_IMPACT && (slowest < 0 || speed[k] < speed[slowest]))
+            slowest = k;
+    if (slowest < 0)
+        return false;
+    const bool last = slowest + 1 == old->count;
+    const double next = old->mark[last ? 0 : slowest + 1].time + (last ? old->periods : 0),
+                 middle = 0.5 * (old->mark[slowest].time + next), over = old->base + old->periods;
+    saltus_sequence_turn(old, middle - (middle < over ? 0 : old->periods), 1, &fresh, NULL);
+    return saltus_solution_state_at(o, s, middle - (middle < over ? 0 : old->periods), state, NULL) ==
+               SALTUS_OK &&
+           saltus_solution_place(o, &fresh, s->parameter, state, false, out, NULL) == SALTUS_OK;
+}
+
+/* The orbit at the limit of births. Just after the run of impacts that becomes chatter there, `state` is its
+ * state at the base of `sequence` and, once the chatter is complete, `slope` the derivative by the parameter.
+ */
+typedef struct births_end {
+    saltus_sequence sequence; /* left to the flow */
+    double limit, state[SALTUS_STATE_MAX], slope[SALTUS_STATE_MAX];
+} births_end;
+
+/* Extrapolate from the orbit `birth` to the limit, which is `rest` further on. Complete chatter forgets what
+ * came before, so that the slope is that of the flow that begins there, on whichever side it is complete from
+ * this state. False if there is no such run or side. The solutions are overwritten. */
+static bool look_beyond_births(saltus_orbits *o, const saltus_solution *from, double limit, double rest,
+                               saltus_solution *birth, saltus_solution *trial, births_end *end) {
+    const double close = 1.0 / 16;
+    saltus_orbits_reshape(o, from);
+    if (!saltus_solution_visit(o, from, -from->at.ahead, birth) || !open_after_run(o, birth, trial))
+        return false;
+    const double *scale = saltus_shooting_scale(o->shooting);
+    const double distance = (limit - trial->parameter[0]) / saltus_solution_heading(trial);
+    end->sequence = left_to_flow(&trial->sequence);
+    end->limit = limit;
+    for (int i = 0; i < o->n; i++)
+        end->state[i] = trial->state[i] + distance * trial->at.tangent[i] * scale[i];
+    for (int side = 1; side >= -1; side -= 2) {
+        const double parameter = limit + side * rest * close;
+        if (saltus_solution_place(o, &end->sequence, &parameter, end->state, false, trial, NULL) !=
+                SALTUS_OK ||
+            !saltus_solution_walk(o, trial) ||
+            trial->survey.sticking_intervals <= from->survey.sticking_intervals)
+            continue;
+        for (int i = 0; i < o->n; i++)
+            end->slope[i] =
+                trial->at.tangent[i] * saltus_shooting_scale(o->shooting)[i] / saltus_solution_heading(trial);
+        return true;
+    }
+    return false;
+}
+
 bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, const saltus_births *births,
                             bool far, const double range[2], saltus_solution *at, saltus_solution *here,
                             saltus_solution *scratch, saltus_change *change) {
-    static const double reach[] = {1, 4, 0.25, 16};
+    static const double reach[] = {1, 1.0 / 16, 1.0 / 256, 4};
     const double sharp = far ? 0.02 : 0.2, near = far ? 0.5 : 1e-2;
     double state[SALTUS_STATE_MAX], limit, rest;
+    births_end end;
     bool found = false, there = !accumulate(births, &limit, &rest);
+    const bool looks = !there && look_beyond_births(o, from, limit, rest, at, scratch, &end);
     /* The far side first; but where the parameter turns back as impacts are born, the near side may be the
      * right one. */
     for (size_t k = 0; k < 2 * sizeof reach / sizeof reach[0] && !there; k++) {
         double way = copysign(1, k % 2 ? -rest : rest), distance = reach[k / 2] * fabs(rest), ahead;
         double parameter = limit + way * distance;
-        memcpy(state, from->state, (size_t)o->n * sizeof *state);
+        for (int i = 0; i < o->n; i++)
+            state[i] = looks ? end.state[i] + (parameter - limit) * end.slope[i] : from->state[i];
         if (parameter < range[0] || parameter > range[1] ||
-            !shoot_freely(o, &from->sequence, &parameter, state, here) ||
+            !shoot_freely(o, looks ? &end.sequence : &from->sequence, &parameter, state, here) ||
             here->survey.sticking_intervals <= from->survey.sticking_intervals)
             continue;
         saltus_solution_head(here, way);
