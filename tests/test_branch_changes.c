@@ -884,6 +884,32 @@ static void a_short_run_completes(void **unused) {
     assert_true(place[0] > 0.008);
 }
 
+/* Births on orbits of eight periods, between whose chatters perturbations grow a hundred million times, lead
+ * to chatter, too: it completes where, without any continuation, a ball that leaves the table at rest no
+ * longer comes to rest eight periods later (closed forms between impacts in 40 digits, bisection). */
+static void a_run_on_doubled_orbits_completes(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {c: 0.07615, F: 2.25, G: 0.2303, omega: 1}\n"
+                               "  motion: {x: \"-1 - c*x' + F*sin(omega*t) + G*sin(2*omega*t)\"}\n"
+                               "  forcing: omega\n"
+                               "stop: {coordinate: x, d: 0, r: 0.2799, sides: lower}\n";
+    const double state[2] = {0.003976940941260867, 0.21619228274259325};
+    saltus_branch_options options = branch_along("F", 2.2494, 2.3);
+    options.direction = -1;
+    options.points = 250;
+    branch_record record = run_from(text, "F=2.249457551590614", 8, state, &options);
+    int changes = 0;
+    for (int k = 0; k < record.count && changes == 0; k++)
+        if (record.point[k].kind == SALTUS_POINT_CH) {
+            changes++;
+            check_near(record.point[k].value[0], 2.2828965611920476, 1e-13);
+            assert_string_equal(record.point[k].label_after, "chatter/8");
+        }
+    assert_int_equal(changes, 1);
+    branch_forget(&record);
+}
+
 /* Close to where a branch of orbits of twice the period begins, and another impact is about to be born, that
  * branch is not left for the shorter orbits, on which other branches leave. */
 static void doubled_orbits_near_the_end_of_a_run(void **unused) {
@@ -1073,6 +1099,7 @@ int main(void) {
         cmocka_unit_test(errors_grow_without_bound),
         cmocka_unit_test(impacts_rebound_as_told),
         cmocka_unit_test(a_short_run_completes),
+        cmocka_unit_test(a_run_on_doubled_orbits_completes),
         cmocka_unit_test(doubled_orbits_near_the_end_of_a_run),
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
         cmocka_unit_test(a_second_chatter_completes),
