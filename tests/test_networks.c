@@ -205,17 +205,30 @@ static void mirror_images_graze_at_once(void **unused) {
  */
 static void impacts_shrink_to_a_flat_touch(void **unused) {
     (void)unused;
-    static const network network = {"impact-oscillator",
-                                    "d=0.388822 omega=0.425623 r=0.305968 c=0 sides=both",
-                                    SALTUS_POINT_GR,
-                                    {"omega", "d"},
-                                    {0.297936, 0.194411},
-                                    {0.595872, 0.583233},
-                                    1,
-                                    {0.04, 0.02},
-                                    -1};
-    check_network(&network, 0, NULL);
-    branch_record record = follow(&network, 0.04, 0, NULL);
+    /* Of many impacts the last have no speed but rounding some way before. */
+    static const double many[] = {0.4599735443323433, 0.020919702578443253};
+    static const network networks[] = {
+        {"impact-oscillator",
+         "d=0.388822 omega=0.425623 r=0.305968 c=0 sides=both",
+         SALTUS_POINT_GR,
+         {"omega", "d"},
+         {0.297936, 0.194411},
+         {0.595872, 0.583233},
+         1,
+         {0.04, 0.02},
+         -1},
+        {"impact-oscillator",
+         "d=0.4690541203154782 omega=0.31748188790203946 r=0.305968 c=0 sides=both",
+         SALTUS_POINT_GR,
+         {"omega", "d"},
+         {0.31, 0.46},
+         {0.35, 0.51},
+         0,
+         {0.02},
+         1}};
+    check_network(&networks[0], 0, NULL);
+    check_network(&networks[1], 1, many);
+    branch_record record = follow(&networks[0], 0.04, 0, NULL);
     int found = 0;
     for (int k = 0; k < record.count; k++) {
         const saltus_branch_point *p = &record.point[k];
@@ -228,6 +241,44 @@ static void impacts_shrink_to_a_flat_touch(void **unused) {
     /* Of a curve of grazing and one of folds, at least. */
     assert_true(found >= 2);
     branch_forget(&record);
+}
+
+/* Grazings that follow one another lead a curve to and fro: where it comes near its first point in the plane
+ * with more impacts, it has not come back. */
+static void places_come_again_with_more_impacts(void **unused) {
+    (void)unused;
+    static const double state[] = {0.45105424242242537, 0.030489239036128123};
+    static const network network = {
+        "impact-oscillator",
+        "d=0.46397919546166966 omega=0.31473854276431323 r=0.305968 c=0 sides=both",
+        SALTUS_POINT_GR,
+        {"omega", "d"},
+        {0.3, 0.2},
+        {0.6, 0.58},
+        0,
+        {0.01},
+        -1};
+    branch_record record = follow(&network, network.step_max[0], 2, state);
+    for (int k = 0; k < record.count; k++)
+        assert_null(strstr(record.point[k].reason, "come back"));
+    branch_forget(&record);
+}
+
+/* Where folds of orbits of twice the period end at a grazing that is not felt, their equations fail so near
+ * that no place before tells it. */
+static void folds_fade_from_near_by(void **unused) {
+    (void)unused;
+    static const double state[] = {0.6763387842638972, -0.22673528490867753};
+    static const network network = {"impact-oscillator",
+                                    "d=0.777563722133114 omega=0.6654696533924318 r=0.876673 c=0 sides=both",
+                                    SALTUS_POINT_LP,
+                                    {"omega", "d"},
+                                    {0.6, 0.6},
+                                    {0.86, 1.6},
+                                    0,
+                                    {0.02, 0.04},
+                                    2};
+    check_network(&network, 4, state);
 }
 
 /* Where folding orbits become their own mirror images is told by the branch points of such orbits. */
@@ -743,6 +794,8 @@ int main(void) {
         cmocka_unit_test(mirror_images_graze_on_one_curve),
         cmocka_unit_test(mirror_images_graze_at_once),
         cmocka_unit_test(impacts_shrink_to_a_flat_touch),
+        cmocka_unit_test(places_come_again_with_more_impacts),
+        cmocka_unit_test(folds_fade_from_near_by),
         cmocka_unit_test(folds_end_at_symmetric_orbits),
         cmocka_unit_test(folds_end_at_flips),
         cmocka_unit_test(impacts_die_and_are_born_at_once),

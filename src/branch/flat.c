@@ -157,7 +157,7 @@ static bool open_flat(saltus_orbits *o, flat *f) {
 }
 
 bool saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltus_locus_point *at) {
-    const double slow = 1e-3, near = 1e-4;
+    const double slow = 1e-3, near = 1e-3;
     const saltus_solution *s = &here->orbit;
     int part[SALTUS_MARKS_MAX];
     for (int k = 0; k < s->breach_count; k++)
@@ -175,8 +175,8 @@ bool saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltu
         const int m = f.e->unknowns;
         memcpy(f.u, start, (size_t)m * sizeof *start);
         found = find_flat(&x->orbits, &f, &doubt) &&
-                hypot(f.u[m - 2] - s->parameter[0], f.u[m - 1] - s->parameter[1]) < near &&
-                saltus_orbits_noted(&x->orbits, take_over(x, &f, at)) == SALTUS_OK;
+                saltus_orbits_noted(&x->orbits, take_over(x, &f, at)) == SALTUS_OK &&
+                saltus_locus_leads(x, here, near, at);
     }
     if (found) {
         at->doubt = doubt;

@@ -335,24 +335,20 @@ bool saltus_halved_double(saltus_extended *x, saltus_point_kind kind, saltus_loc
     return finish(x, &s, opened, INFINITY, at);
 }
 
+bool saltus_halved_ahead(saltus_extended *x, saltus_point_kind kind, int parts, double near,
+                         const saltus_locus_point *here, saltus_locus_point *at) {
+    const bool room = saltus_curve_copy(&here->at, &at->at);
+    x->orbits.starved |= !room;
+    return room && saltus_locus_see_orbit(x, at) && saltus_halved_touch(x, kind, parts, INFINITY, at) &&
+           saltus_locus_leads(x, here, near, at);
+}
+
 bool saltus_halved_resonates(saltus_extended *x, const saltus_locus_point *here, saltus_locus_point *at) {
-    const double alike = 1e-4, near = 1e-2, straight = 0.9;
-    const int c = x->orbits.equations->count;
+    const double alike = 1e-4, near = 1e-2;
     int parts = x->kind == SALTUS_POINT_GR ? here->orbit.sequence.periods : 0;
     while (parts > 2 && !(saltus_solution_part_distance(&x->orbits, &here->orbit, parts, NULL) < alike))
         parts--;
-    if (parts <= 2)
-        return false;
-    const bool room = saltus_curve_copy(&here->at, &at->at);
-    x->orbits.starved |= !room;
-    if (!room || !saltus_locus_see_orbit(x, at) ||
-        !saltus_halved_touch(x, SALTUS_POINT_R4, parts, INFINITY, at))
-        return false;
-    const double *way = here->at.tangent + c,
-                 left[] = {at->at.u[c] - here->at.u[c], at->at.u[c + 1] - here->at.u[c + 1]};
-    const double length = hypot(left[0], left[1]), along = left[0] * way[0] + left[1] * way[1];
-    at->at.ahead = length;
-    return length < near && along > straight * length * hypot(way[0], way[1]);
+    return parts > 2 && saltus_halved_ahead(x, SALTUS_POINT_R4, parts, near, here, at);
 }
 
 saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_locus_point *at) {

@@ -322,12 +322,14 @@ static bool seek_end(saltus_extended *x, saltus_locus_point *here, measure by, i
 }
 
 bool saltus_locus_fade(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {
-    const double little = 1e-3, sharp = 1e-8;
-    const bool fades = x->kind != SALTUS_POINT_GR && saltus_corner_breach(x, &here->orbit) > -little &&
-                       seek_end(x, here, BY_ROOT, 0, sharp, at);
-    if (fades)
-        saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, INFINITY, at);
-    return fades;
+    const double little = 1e-3, sharp = 1e-8, near = 1e-4;
+    if (x->kind == SALTUS_POINT_GR || !(saltus_corner_breach(x, &here->orbit) > -little))
+        return false;
+    /* Where the equations fail only very near the end, that is not seen from afar. */
+    if (!seek_end(x, here, BY_ROOT, 0, sharp, at))
+        return saltus_halved_ahead(x, SALTUS_POINT_GR_LP, 0, near, here, at);
+    saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, INFINITY, at);
+    return true;
 }
 
 saltus_point_kind saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *here,

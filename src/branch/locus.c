@@ -271,7 +271,8 @@ static void give(saltus_locus *l, const saltus_locus_point *p, saltus_point_kind
     saltus_trail_give(l->trail, l->x.orbits.system, &point, NULL, &what, &l->x.orbits.starved);
 }
 
-/* Whether the last step, from what is now `next` to `here`, has passed the first point in its direction. */
+/* Whether the last step, from what is now `next` to `here`, has passed the first point in its direction: not
+ * its place with more or fewer events. */
 static bool is_closed(saltus_locus *l) {
     const double *first = l->beginning.u + saltus_sequence_unknowns(&l->first, l->x.orbits.n);
     const double *to = plane_of(l, l->here.at.u), *from = plane_of(l, l->next.at.u);
@@ -282,7 +283,8 @@ static bool is_closed(saltus_locus *l) {
     const double aside = fabs(back[0] * step[1] - back[1] * step[0]) / stride;
     const double same_way = step[0] * l->first_way[0] + step[1] * l->first_way[1];
     l->has_left |= hypot(back[0], back[1]) > 3 * stride;
-    return l->has_left && along >= 0 && along <= stride && aside < 0.1 * stride && same_way > 0;
+    const bool same = l->here.orbit.sequence.count == l->first.count;
+    return same && l->has_left && along >= 0 && along <= stride && aside < 0.1 * stride && same_way > 0;
 }
 
 /* `next` becomes `here`. */

@@ -248,10 +248,49 @@ double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, int *par
     return least;
 }
 
+/* How unlike the parts of an orbit are where they are most so, amid its events: a run of impacts leaves
+ * little of that. */
+static double most_unlike(saltus_orbits *o, const saltus_solution *s, int parts) {
+    const saltus_sequence *q = &s->sequence;
+    const double part = (double)q->periods / (parts == 1 ? 2 : parts);
+    double most = saltus_solution_part_distance(o, s, parts, NULL), state[2][SALTUS_STATE_MAX];
+    for (int k = 0; k < q->count; k++) {
+        const double next = k + 1 < q->count ? q->mark[k + 1].time : q->mark[0].time + q->periods,
+                     time = 0.5 * (q->mark[k].time + next);
+        for (int j = 0; j < 2; j++) {
+            const double since = fmod(time + j * part - q->base, q->periods);
+            const saltus_status status = saltus_solution_state_at(o, s, q->base + since, state[j], NULL);
+            if (saltus_orbits_noted(o, status) != SALTUS_OK)
+                return most;
+        }
+        for (int i = 0; i < o->n && parts == 1; i++)
+            state[1][i] = -state[1][i];
+        most = fmax(most, saltus_system_distance(o->system, state[0], state[1]));
+    }
+    return most;
+}
+
 bool saltus_locus_joins_at(saltus_extended *x, const saltus_locus_point *here, const saltus_locus_point *at) {
-    return x->kind == SALTUS_POINT_GR &&
-           saltus_orbits_join(&x->orbits, saltus_locus_apart(x, &here->orbit, NULL),
-                              saltus_locus_apart(x, &at->orbit, NULL), at->at.ahead);
+    int parts;
+    if (x->kind != SALTUS_POINT_GR)
+        return false;
+    const double before = saltus_locus_apart(x, &here->orbit, NULL),
+                 apart = saltus_locus_apart(x, &at->orbit, &parts);
+    return saltus_orbits_join(&x->orbits, before, apart, at->at.ahead) &&
+           saltus_orbits_join(&x->orbits, most_unlike(&x->orbits, &here->orbit, parts),
+                              most_unlike(&x->orbits, &at->orbit, parts), at->at.ahead);
+}
+
+bool saltus_locus_leads(const saltus_extended *x, const saltus_locus_point *here, double near,
+                        saltus_locus_point *at) {
+    /* The curve may turn before, and rounding may have led a little beyond. */
+    const double straight = 0.5, rounding = 1e-8;
+    const double *way = here->at.tangent + here->at.unknowns - 2 - x->extra, *from = here->orbit.parameter,
+                 *to = at->orbit.parameter;
+    const double length = hypot(to[0] - from[0], to[1] - from[1]);
+    at->at.ahead = length;
+    return length < near && (length < rounding || (to[0] - from[0]) * way[0] + (to[1] - from[1]) * way[1] >
+                                                      straight * length * hypot(way[0], way[1]));
 }
 
 bool saltus_locus_has_pair(saltus_extended *x, double theta) {

@@ -81,6 +81,10 @@ double saltus_locus_apart(saltus_extended *extended, const saltus_solution *orbi
  * curve of grazing crosses there. */
 bool saltus_locus_joins_at(saltus_extended *extended, const saltus_locus_point *here,
                            const saltus_locus_point *at);
+/* Whether the orbit `at` lies in the plane just ahead of `here`, no farther than `near`, which at->at.ahead
+ * becomes. */
+bool saltus_locus_leads(const saltus_extended *extended, const saltus_locus_point *here, double near,
+                        saltus_locus_point *at);
 /* Whether the point to which a step from `here` has led is on the same piece of the curve, and a valid orbit,
  * special in the way that is followed. Beyond another impact's birth or death it is not valid, but accepted,
  * since the curve leads to that place. */
