@@ -530,7 +530,7 @@ static void repeat(saltus_orbits *o, const saltus_solution *from, const saltus_s
         sequence.mark[k].time = mark[k % count].time + (double)orbit->sequence.periods * (k / count);
     saltus_status status = saltus_shooting_shape(o->shooting, &sequence, NULL);
     if (status == SALTUS_OK)
-        status = saltus_shooting_fill(o->shooting, orbit->parameter, orbit->state, at->at.u, NULL);
+        status = saltus_shooting_fill(o->shooting, orbit->parameter, orbit->state, 1, at->at.u, NULL);
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(o->equations, at->at.u, NULL);
     if (status == SALTUS_OK)
@@ -674,6 +674,10 @@ bool saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double 
     bool is_fold = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP;
     const bool ends = is_fold && (joins(o, from, at, false, special) || joins(o, from, at, true, special));
     if (special->kind == SALTUS_POINT_LP && !ends && is_beside_join(o, from, at))
+        is_one = false;
+    /* The multipliers of an orbit that is its own mirror image are squares: rounding alone makes one -1. */
+    if (special->kind == SALTUS_POINT_PD && o->system->mirror && at->sequence.periods % 2 &&
+        saltus_solution_part_distance(o, at, 1, NULL) < asymmetric)
         is_one = false;
     const bool by_determinant = is_fold || special->kind == SALTUS_POINT_PD;
     if (is_one && !ends && !crossing.found && special->test != SALTUS_TEST_VALUE)

@@ -136,30 +136,45 @@ bool saltus_trail_keeps(saltus_point_kind kind) {
     return orbits_meet >> kind & 1;
 }
 
-/* The number of multipliers outside the unit circle, or of eigenvalues with positive real part, at a point of
- * a `marginal` kind. Rounding decides on which side the critical one is, or pair: of those of its sign the
- * nearest to the circle or axis. It is not counted. */
-static int count_outside(const saltus_branch_point *point, saltus_point_kind kind, bool joins) {
+/* Which multiplier, or eigenvalue, is the critical one at a point of a `marginal` kind, or the first of the
+ * critical pair; -1: none. Of those of its sign it is the nearest to the circle or axis; where rounding hides
+ * even its sign, of all. */
+static int find_critical(const saltus_branch_point *point, bool pair, int sign) {
+    const double near = 1; /* of the logarithm */
+    const saltus_multiplier *mu = point->multipliers;
+    int critical = -1;
+    for (int pass = 0; pass < 2; pass++)
+        for (int k = 0; k < point->multiplier_count && (!pass || !pair); k++)
+            if ((mu[k].im != 0) == pair && (pass || sign * mu[k].re >= 0) &&
+                (critical < 0 ||
+                 fabs(mu[k].log_modulus) < fabs(mu[critical].log_modulus) - (pass ? near : 0)))
+                critical = k;
+    return critical;
+}
+
+/* At a point of a `marginal` kind: rounding decides on which side the critical multiplier or eigenvalue is,
+ * or pair. It is not counted, and not known where rounding hides that it is critical. */
+static void judge_marginal(saltus_branch_point *point, saltus_point_kind kind, bool joins) {
+    const double hidden = 1e-2;
     const bool pair = kind == SALTUS_POINT_NS || (kind == SALTUS_POINT_HB && !point->periods);
     const int sign = pair || !point->periods ? 0 : kind == SALTUS_POINT_PD && !joins ? -1 : 1;
-    const saltus_multiplier *mu = point->multipliers;
-    saltus_multiplier others[SALTUS_STATE_MAX];
+    const int critical = find_critical(point, pair, sign);
+    saltus_multiplier *mu = point->multipliers, others[SALTUS_STATE_MAX];
     saltus_eigenvalue rates[SALTUS_STATE_MAX];
-    int critical = -1, count = 0;
-    for (int k = 0; k < point->multiplier_count; k++)
-        if ((mu[k].im != 0) == pair && sign * mu[k].re >= 0 &&
-            (critical < 0 || fabs(mu[k].log_modulus) < fabs(mu[critical].log_modulus)))
-            critical = k;
+    int count = 0;
+    point->stable = false;
     if (critical < 0)
-        return point->unstable;
+        return;
     for (int k = 0; k < point->multiplier_count; k++)
         if (k != critical && !(pair && k == critical + 1)) {
             rates[count] = (saltus_eigenvalue){mu[k].re, mu[k].im};
             others[count++] = mu[k];
         }
-    return !point->periods ? saltus_eigenvalues_growing(rates, count).growing
-           : count         ? saltus_multipliers_unstable(others, count)
-                           : 0;
+    point->unstable = !point->periods ? saltus_eigenvalues_growing(rates, count).growing
+                      : count         ? saltus_multipliers_unstable(others, count)
+                                      : 0;
+    if (sign && fabs(mu[critical].re - sign) > hidden)
+        mu[critical] = (saltus_multiplier){NAN, NAN, NAN};
 }
 
 /* `point`: the last in the queue. */
@@ -167,13 +182,13 @@ static void judge_stability(const saltus_trail *t, const saltus_notice *what, sa
     const saltus_point_kind kind = point->locus ? point->locus : what->kind ? what->kind : what->origin;
     const saltus_branch_point *last = t->queue.count > 1 ? point - 1 : NULL;
     if (marginal >> kind & 1) {
-        point->stable = false;
-        point->unstable = count_outside(point, kind, what->joins);
+        judge_marginal(point, kind, what->joins);
     } else if (kind == SALTUS_POINT_EP && last && marginal >> last->kind & 1 &&
                last->arclength == t->arclength + what->ahead) {
         /* The branch ends at a point given out already. */
         point->stable = last->stable;
         point->unstable = last->unstable;
+        memcpy(point->multipliers, last->multipliers, (size_t)point->dimension * sizeof *point->multipliers);
     }
 }
 
