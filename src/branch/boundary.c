@@ -204,24 +204,30 @@ void saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int face, con
     saltus_rests_noted(r, status);
 }
 
+/* `out` becomes the cycle of a sequence through a state near it, polished; it is anchored across the flow at
+ * that state. */
+static saltus_status place_across(saltus_orbits *o, saltus_sequence *sequence, double parameter,
+                                  const double *state, saltus_solution *out, saltus_message *message) {
+    const saltus_time base = saltus_time_of(sequence->base);
+    saltus_status status = saltus_orbits_tune(o, &parameter, sequence->omega, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_place(o->flow, 0, base, state, sequence->contacts, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_sequence_anchor(sequence, o->flow, false);
+    return saltus_solution_place(o, sequence, &parameter, state, true, out, message);
+}
+
 saltus_status saltus_boundary_cycle(saltus_orbits *o, const saltus_branch_start *start, double distance,
                                     saltus_solution *out, saltus_message *message) {
     const double apart = start->heading * distance;
     saltus_sequence sequence = start->sequence;
-    const double parameter = start->parameter + apart;
     double state[SALTUS_STATE_MAX];
     saltus_status status = saltus_shooting_shape(o->shooting, &sequence, message);
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
         state[i] = start->state[i] + apart * start->tangent[i] * saltus_shooting_scale(o->shooting)[i];
     if (status == SALTUS_OK)
-        status = saltus_orbits_tune(o, &parameter, sequence.omega, message);
-    if (status == SALTUS_OK)
-        status =
-            saltus_flow_place(o->flow, 0, saltus_time_of(sequence.base), state, sequence.contacts, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_sequence_anchor(&sequence, o->flow, false);
-    status = saltus_solution_place(o, &sequence, &parameter, state, true, out, message);
+        status = place_across(o, &sequence, start->parameter + apart, state, out, message);
     if (status == SALTUS_OK && !(saltus_solution_walk(o, out) && out->worst.value < 0 && out->survey.follows))
         status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "the flow follows no such orbit");
     if (status == SALTUS_OK)
@@ -274,14 +280,7 @@ bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const 
         const double to = end + nearer * (place[1] - end), ahead = (to - place[1]) / (place[1] - place[0]);
         for (int i = 0; i < n; i++)
             guess[i] = state[1][i] + ahead * (state[1][i] - state[0][i]);
-        saltus_status status = saltus_orbits_tune(o, &to, sequence.omega, NULL);
-        if (status == SALTUS_OK)
-            status =
-                saltus_flow_place(o->flow, 0, saltus_time_of(sequence.base), guess, sequence.contacts, NULL);
-        if (status == SALTUS_OK)
-            saltus_sequence_anchor(&sequence, o->flow, false);
-        if (status == SALTUS_OK)
-            status = saltus_solution_place(o, &sequence, &to, guess, true, at, NULL);
+        const saltus_status status = place_across(o, &sequence, to, guess, at, NULL);
         sound = saltus_orbits_noted(o, status) == SALTUS_OK && impact_speed(at) < 0.5 * size[1];
         memcpy(state[0], state[1], (size_t)n * sizeof *state[0]);
         place[0] = place[1];

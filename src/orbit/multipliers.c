@@ -249,8 +249,8 @@ saltus_status saltus_cocycle_follow(saltus_cocycle *cocycle, saltus_flow *flow, 
     const int more = cocycle->given ? 1 : (int)fmax(1, ceil(length * cocycle->density - 1e-9));
     saltus_status status = SALTUS_OK;
     for (int m = 1; m <= more && status == SALTUS_OK; m++) {
-        double end = saltus_time_periods(from) + length * m / more, whole = floor(end);
-        saltus_time at = m < more ? (saltus_time){(long long)whole, end - whole} : until;
+        const double end = saltus_time_periods(from) + length * m / more;
+        const saltus_time at = m < more ? saltus_time_of(end) : until;
         status = follow_segment(cocycle, flow, at, lap, message);
     }
     if (lap)
