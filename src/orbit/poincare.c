@@ -104,17 +104,9 @@ static double value_since(const saltus_flow *flow, int lane, double since) {
 
 /* Polynomial coefficients in s in [0, 1] from values at Chebyshev-Lobatto points, by divided differences. */
 static void interpolate(const double *points, const double *values, double *powers) {
-    double difference[degree + 1];
-    memcpy(difference, values, sizeof difference);
-    for (int k = 1; k <= degree; k++)
-        for (int i = degree; i >= k; i--)
-            difference[i] = (difference[i] - difference[i - 1]) / (points[i] - points[i - k]);
-    memset(powers, 0, (degree + 1) * sizeof *powers);
-    for (int k = degree; k >= 0; k--) {
-        for (int i = degree; i > 0; i--)
-            powers[i] = powers[i - 1] - points[k] * powers[i];
-        powers[0] = difference[k] - points[k] * powers[0];
-    }
+    double difference[degree + 1], work[degree + 1];
+    gsl_poly_dd_init(difference, points, values, degree + 1);
+    gsl_poly_dd_taylor(powers, 0, difference, points, degree + 1, work);
 }
 
 /* Refine a polynomial's zero on the expression itself, by bisection if the signs around it differ. */

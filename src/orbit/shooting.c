@@ -141,21 +141,18 @@ void saltus_sequence_anchor(saltus_sequence *s, saltus_flow *flow, bool turning)
     const double *scale = saltus_system_scale(system);
     int n = saltus_system_dimension(system);
     const double *observer = saltus_system_observer(system);
-    double field[SALTUS_STATE_MAX], size = 0;
+    double field[SALTUS_STATE_MAX];
     int dof = saltus_system_dof(system);
     s->omega = saltus_spec_omega(saltus_system_spec(system));
     saltus_flow_state(flow, 0, s->anchor);
     saltus_flow_field(flow, 0, field);
-    s->speed = 0;
     for (int i = 0; i < n; i++) {
         field[i] /= scale[i];
         s->across[i] = !turning ? field[i] : i >= dof && i < 2 * dof ? observer[i - dof] * scale[i] : 0;
-        size = hypot(size, s->across[i]);
     }
-    for (int i = 0; i < n && size > 0; i++) {
-        s->across[i] /= size;
-        s->speed += s->across[i] * field[i];
-    }
+    if (saltus_length(s->across, n) > 0)
+        saltus_make_unit(s->across, n);
+    s->speed = saltus_dot(s->across, field, n);
     /* Let the flow cross the hyperplane in the direction of `across`. */
     for (int i = 0; i < n && s->speed < 0; i++)
         s->across[i] = -s->across[i];
