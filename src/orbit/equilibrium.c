@@ -161,44 +161,40 @@ static bool is_among(const unsigned *sets, int count, unsigned set) {
     return count > 0;
 }
 
+/* Contacts can hold together if they are at most as many as displacements, one side of each stop. */
+static bool can_hold(const saltus_system *system, unsigned contacts) {
+    bool can = saltus_count_bits(contacts) <= system->dof;
+    for (int f = 1; f < system->face_count; f++)
+        can = can && !(system->faces[f].stop == system->faces[f - 1].stop && (contacts >> (f - 1) & 3) == 3);
+    return can;
+}
+
 /* Solve with the contacts that the guess and then each solution suggest, as long as these are new, then with
  * all other sets, small ones first. If none succeeds, the message is that of the first attempt. */
 static saltus_status search(newton *w, const double *guess, const saltus_equilibrium_options *options,
                             saltus_message *message) {
     enum { followed_most = 64 };
     const unsigned all = (1u << w->system->face_count) - 1;
-    unsigned followed[followed_most], set = 0, other = 0;
+    unsigned followed[followed_most], set = 0;
     int count = 0;
     saltus_status first = SALTUS_OK;
     /* Faces that the guess touches or passes, within a tolerance. */
     for (int f = 0; f < w->system->face_count; f++)
         if (saltus_system_gap(w->system, f, guess) > -1e-9 * saltus_system_gap_size(w->system, f, guess))
             set |= 1u << f;
-    for (bool following = true, more = true; more;) {
-        saltus_status status = solve(w, guess, set, options, count ? NULL : message);
-        unsigned next = status == SALTUS_OK ? corrected_contacts(w) : set;
+    while (count < followed_most && !is_among(followed, count, set)) {
+        const saltus_status status = solve(w, guess, set, options, count ? NULL : message);
+        const unsigned next = status == SALTUS_OK ? corrected_contacts(w) : set;
         if (status == SALTUS_OK && next == set)
             return SALTUS_OK;
-        if (count == 0)
-            first = status;
-        if (following)
-            followed[count++] = set;
-        following = following && count < followed_most && !is_among(followed, count, next);
-        if (following) {
-            set = next;
-            continue;
-        }
-        for (more = false; !more && other <= all;) {
-            set = other;
-            /* Contacts can hold together if they are at most as many as displacements, one side of each stop.
-             */
-            more = saltus_count_bits(set) <= w->system->dof && !is_among(followed, count, set);
-            for (int f = 1; f < w->system->face_count; f++)
-                more = more && !(w->system->faces[f].stop == w->system->faces[f - 1].stop &&
-                                 (set >> (f - 1) & 3) == 3);
-            other = other == all ? all + 1 : saltus_next_subset(all, other);
-        }
+        first = count ? first : status;
+        followed[count++] = set;
+        set = next;
     }
+    for (set = 0; set <= all; set = set == all ? all + 1 : saltus_next_subset(all, set))
+        if (can_hold(w->system, set) && !is_among(followed, count, set) &&
+            solve(w, guess, set, options, NULL) == SALTUS_OK && corrected_contacts(w) == set)
+            return SALTUS_OK;
     return first == SALTUS_OK
                ? saltus_fail(message, SALTUS_NO_CONVERGENCE,
                              "no set of contacts gives an equilibrium whose contact forces push")
