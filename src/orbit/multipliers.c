@@ -97,13 +97,8 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
     cocycle->density = fmax(choose_density(system, n, periods, cocycle->most), cocycle->wanted);
     if (!cocycle->table)
         cocycle->table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
-    if (!cocycle->columns)
-        cocycle->columns = calloc((size_t)(n * n), sizeof *cocycle->columns);
-    if (!cocycle->table || !cocycle->columns)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-    for (int i = 0; i < n; i++)
-        cocycle->columns[i * n + i] = 1;
-    return SALTUS_OK;
+    return cocycle->table ? SALTUS_OK
+                          : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
 }
 
 /* Whether the segments are so short that the fastest modes of a stiff system are active throughout. */
@@ -135,7 +130,6 @@ saltus_status saltus_cocycle_flow(const saltus_cocycle *cocycle, const saltus_sy
 void saltus_cocycle_close(saltus_cocycle *cocycle) {
     free(cocycle->segments);
     free(cocycle->fields);
-    free(cocycle->columns);
     if (cocycle->table)
         gsl_integration_glfixed_table_free(cocycle->table);
     *cocycle = (saltus_cocycle){0};
@@ -183,18 +177,23 @@ bool saltus_cocycle_ends(const saltus_cocycle *cocycle, const double *matrix) {
 static saltus_status begin_segment(saltus_cocycle *cocycle, saltus_flow *flow, saltus_message *message) {
     const int n = cocycle->n;
     saltus_status status = reserve_segment(cocycle, message);
-    if (cocycle->autonomous && status == SALTUS_OK) {
-        /* The direction of the flow at the start, of unit length in the system's scales. */
-        double *field = cocycle->fields + (size_t)cocycle->count * (size_t)n;
-        saltus_flow_field(flow, 0, field);
-        for (int i = 0; i < n; i++)
-            field[i] /= cocycle->scale[i];
-        const double size = saltus_length(field, n);
-        for (int i = 0; i < n; i++)
-            field[i] = size > 0 ? field[i] / size : i == 0;
-    }
-    saltus_flow_set_tangents(flow, 0, cocycle->columns);
-    return status;
+    if (status != SALTUS_OK)
+        return status;
+    double *identity = next_segment(cocycle);
+    for (int k = 0; k < n * n; k++)
+        identity[k] = k % (n + 1) == 0;
+    saltus_flow_set_tangents(flow, 0, identity);
+    if (!cocycle->autonomous)
+        return SALTUS_OK;
+    /* The direction of the flow at the start, of unit length in the system's scales. */
+    double *field = cocycle->fields + (size_t)cocycle->count * (size_t)n;
+    saltus_flow_field(flow, 0, field);
+    for (int i = 0; i < n; i++)
+        field[i] /= cocycle->scale[i];
+    const double size = saltus_length(field, n);
+    for (int i = 0; i < n; i++)
+        field[i] = size > 0 ? field[i] / size : i == 0;
+    return SALTUS_OK;
 }
 
 /* Note an event: its directions that are exact zeros, whether it turns phase space over, and after an impact

@@ -32,7 +32,6 @@ typedef struct saltus_cocycle {
     double density;   /* segments per period */
     int most;         /* most segments per period for the smallest multipliers; 0: no limit */
     double wanted;    /* least segments per period, from a previous lap; 0: not known */
-    double *columns;  /* the identity */
     bool autonomous;  /* the flow's direction is a multiplier of 1, which is kept apart */
     const double *scale; /* of the system */
     double *fields; /* if autonomous, [count][n]: scaled direction of the flow at the segments' beginnings */
