@@ -437,6 +437,85 @@ static bool keeps_pace(const saltus_orbits *o, const saltus_solution *at, const 
     return keeps;
 }
 
+/* The sequence of `at`, but of the chatter that ends with its worst breach only the first impacts are left.
+ * Returns the mark of the last of them, -1 if these are not slow enough for the rest not to matter. */
+static int first_impacts(const saltus_solution *at, saltus_sequence *fresh) {
+    enum { most = 24 };                           /* with more the flow would find the last ones itself */
+    const double slow = 1e-6, slow_enough = 1e-4; /* relative to the first */
+    const double apart = 1e-9;                    /* periods */
+    const int release = at->worst.mark, left = at->sequence.count - release - 1;
+    int last = release - 1;
+    double first = 0, speed = INFINITY;
+    *fresh = at->sequence;
+    if (last < 0 || !fresh->mark[last].driven || release + most + left > SALTUS_MARKS_MAX)
+        return -1;
+    const double begin = fresh->mark[last].time;
+    for (int k = 0; k < at->survey.lap.event_count && last < release + most - 1 && speed > slow * first;
+         k++) {
+        const saltus_event *event = &at->survey.lap.events[k];
+        const double time = saltus_time_periods(event->time);
+        if (event->kind != SALTUS_IMPACT || event->face != at->worst.face || time > at->worst.time ||
+            time < begin - apart)
+            continue;
+        speed = fabs(event->velocity_before);
+        first = fmax(first, speed);
+        if (time > begin + apart)
+            fresh->mark[++last] = (saltus_mark){SALTUS_IMPACT, event->face, time, false};
+    }
+    memcpy(&fresh->mark[last + 1], &at->sequence.mark[release + 1], (size_t)left * sizeof *fresh->mark);
+    fresh->mark[release - 1].driven = false;
+    fresh->count = last + 1 + left;
+    fresh->cuts = 1;
+    return speed < slow_enough * first ? last : -1;
+}
+
+/* Where the contact after complete chatter has shrunk to nothing, at `at`: `here` becomes an orbit of the
+ * same branch nearby on which only the first impacts of the chatter happen, with a tangent along which the
+ * last of them becomes slower. The more of them there are, the closer it is to `at`. So it is found by
+ * Newton's method from `at` itself: first with the last impact at the same time, then along the curve to
+ * where no further one follows. */
+static bool break_off(saltus_orbits *o, const saltus_solution *at, const double range[2],
+                      saltus_solution *here, saltus_solution *scratch) {
+    enum { tries = 6 };
+    const double near = 1e-2;
+    saltus_equations *e = o->equations;
+    saltus_sequence fresh;
+    int iterations;
+    const int last = first_impacts(at, &fresh);
+    if (last < 0)
+        return false;
+    saltus_status status = saltus_shooting_shape(o->shooting, &fresh, NULL);
+    double *normal = calloc(2 * (size_t)e->unknowns, sizeof *normal), *anchor = normal + e->unknowns;
+    if (status == SALTUS_OK && !(normal && saltus_curve_reserve(&here->at, e->unknowns)))
+        status = SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK)
+        status = saltus_shooting_fill(o->shooting, at->parameter, at->state, anchor, NULL);
+    if (status == SALTUS_OK) {
+        normal[fresh.cuts * o->n + last] = 1;
+        memcpy(here->at.u, anchor, (size_t)e->unknowns * sizeof *anchor);
+        status = saltus_newton(e, here->at.u, normal, anchor, true, &iterations, NULL);
+    }
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, here, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_curve_orient(e, NULL, &here->at, NULL);
+    free(normal);
+    const double rest = at->worst.time - fresh.mark[last].time;
+    bool found = false;
+    for (int k = 0; k < 2 * tries && saltus_orbits_noted(o, status) == SALTUS_OK && !found; k++)
+        found = saltus_solution_visit(o, here, copysign(ldexp(rest, k / 2 - 3), k % 2 ? -1 : 1), scratch) &&
+                scratch->worst.value < 0 && saltus_solution_survey(o, scratch, NULL) == SALTUS_OK &&
+                scratch->survey.follows;
+    SALTUS_SWAP(*here, *scratch);
+    found = found && here->parameter[0] >= range[0] && here->parameter[0] <= range[1] &&
+            saltus_system_distance(o->system, here->survey.lap.points, at->survey.lap.points) < near;
+    if (!found)
+        saltus_orbits_reshape(o, at);
+    else if (!leads_away(o, at, here, 0, scratch))
+        saltus_curve_turn(&here->at);
+    return found;
+}
+
 void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ahead, saltus_leap leap,
                         const char *why, const double range[2], saltus_solution *at, saltus_solution *here,
                         saltus_solution *scratch, saltus_change *change) {
@@ -456,6 +535,12 @@ void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ah
     double astray, pace = 0, border = range[heading > 0];
     change->at_border =
         fabs(at->parameter[0] - border) < saltus_at_border && shoot_ahead(o, at, border, here, &astray);
+    if (ceases && !change->at_border && break_off(o, at, range, here, scratch)) {
+        *change = compare(o, from, at, width, why, here);
+        change->distance = fabs(here->parameter[0] - at->parameter[0]);
+        saltus_solution_label(o, here, change->after);
+        return;
+    }
     /* Where chatter completes, changes lie close together; where grazings accumulate, the parameter turns
      * back again and again. The last attempt repeats the first that gave an orbit to use if no better one is
      * found. */
