@@ -440,8 +440,8 @@ static bool keeps_pace(const saltus_orbits *o, const saltus_solution *at, const 
 /* The sequence of `at`, but of the chatter that ends with its worst breach only the first impacts are left.
  * Returns the mark of the last of them, -1 if these are not slow enough for the rest not to matter. */
 static int first_impacts(const saltus_solution *at, saltus_sequence *fresh) {
-    enum { most = 24 };                           /* with more the flow would find the last ones itself */
-    const double slow = 1e-6, slow_enough = 1e-4; /* relative to the first */
+    enum { most = 20 }; /* of many more the flow would have to find the last ones itself */
+    const double slow = 1e-6, slow_enough = 1e-3; /* relative to the first */
     const double apart = 1e-9;                    /* periods */
     const int release = at->worst.mark, left = at->sequence.count - release - 1;
     int last = release - 1;
