@@ -888,8 +888,10 @@ static void a_short_run_completes(void **unused) {
 }
 
 /* Births on orbits of eight periods, between whose chatters perturbations grow a hundred million times, lead
- * to chatter, too: it completes where, without any continuation, a ball that leaves the table at rest no
- * longer comes to rest eight periods later (closed forms between impacts in 40 digits, bisection). */
+ * to chatter, too: it completes where, without any continuation, a ball that leaves the table at rest first
+ * comes to rest eight periods later, and ceases to where that ball last does (closed forms between impacts in
+ * 40 digits, bisection). Beyond, impacts die at places whose distances from there form a geometric sequence:
+ * the orbits are those of the same branch, not others nearby. */
 static void a_run_on_doubled_orbits_completes(void **unused) {
     (void)unused;
     static const char text[] = "model:\n"
@@ -897,19 +899,29 @@ static void a_run_on_doubled_orbits_completes(void **unused) {
                                "  motion: {x: \"-1 - c*x' + F*sin(omega*t) + G*sin(2*omega*t)\"}\n"
                                "  forcing: omega\n"
                                "stop: {coordinate: x, d: 0, r: 0.2799, sides: lower}\n";
+    static const double places[2] = {2.2828965611920476, 2.2828964617448461};
     const double state[2] = {0.003976940941260867, 0.21619228274259325};
     saltus_branch_options options = branch_along("F", 2.2494, 2.3);
     options.direction = -1;
     options.points = 250;
     branch_record record = run_from(text, "F=2.249457551590614", 8, state, &options);
-    int changes = 0;
-    for (int k = 0; k < record.count && changes == 0; k++)
-        if (record.point[k].kind == SALTUS_POINT_CH) {
+    int changes = 0, deaths = 0;
+    double death[4];
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        if (p->kind == SALTUS_POINT_CH) {
+            assert_true(changes < 2);
+            check_near(p->value[0], places[changes], 1e-13);
             changes++;
-            check_near(record.point[k].value[0], 2.2828965611920476, 1e-13);
-            assert_string_equal(record.point[k].label_after, "chatter/8");
+        } else if (changes == 2 && p->kind == SALTUS_POINT_GR && deaths < 4) {
+            assert_non_null(strstr(p->reason, "dies"));
+            death[deaths++] = p->value[0] - places[1];
         }
-    assert_int_equal(changes, 1);
+    }
+    assert_int_equal(changes, 2);
+    assert_int_equal(deaths, 4);
+    check_near(death[1] / death[0], death[2] / death[1], 0.01);
+    check_near(death[2] / death[1], death[3] / death[2], 0.01);
     branch_forget(&record);
 }
 
