@@ -401,17 +401,19 @@ static branch_record run_scene(const char *scene_name, const char *settings, con
     return run_in_steps(scene_name, settings, key, low, high, switches, 0.02);
 }
 
+/* A ball on a table that moves with two harmonics. */
+static const char table[] = "model:\n"
+                            "  parameters: {F: 2, omega: 1}\n"
+                            "  motion: {x: -1 - 0.07615*x' + F*sin(omega*t) + 0.2303*sin(2*omega*t)}\n"
+                            "  forcing: omega\n"
+                            "stop: {coordinate: x, d: 0, r: 0.2799, sides: lower}\n";
+
 /* A ball on a table that moves in two harmonics. Where chatter ceases to complete there are orbits with any
  * number of impacts, many of them of other branches: the branch goes on with one close to it, or ends.
  * Islands of chatter that it enters at one end and then at the other, in another period of the orbit, are
  * visited once. */
 static void branches_leave_chatter_nearby(void **unused) {
     (void)unused;
-    static const char table[] = "model:\n"
-                                "  parameters: {F: 2, omega: 1}\n"
-                                "  motion: {x: -1 - 0.07615*x' + F*sin(omega*t) + 0.2303*sin(2*omega*t)}\n"
-                                "  forcing: omega\n"
-                                "stop: {coordinate: x, d: 0, r: 0.2799, sides: lower}\n";
     skip_where_slow();
     branch_record record = run_scene(table, "F=2.2804", "F", 2.2804, 2.2805, 1);
     int visited = 0, left = 0;
@@ -894,17 +896,12 @@ static void a_short_run_completes(void **unused) {
  * the orbits are those of the same branch, not others nearby. */
 static void a_run_on_doubled_orbits_completes(void **unused) {
     (void)unused;
-    static const char text[] = "model:\n"
-                               "  parameters: {c: 0.07615, F: 2.25, G: 0.2303, omega: 1}\n"
-                               "  motion: {x: \"-1 - c*x' + F*sin(omega*t) + G*sin(2*omega*t)\"}\n"
-                               "  forcing: omega\n"
-                               "stop: {coordinate: x, d: 0, r: 0.2799, sides: lower}\n";
     static const double places[2] = {2.2828965611920476, 2.2828964617448461};
     const double state[2] = {0.003976940941260867, 0.21619228274259325};
     saltus_branch_options options = branch_along("F", 2.2494, 2.3);
     options.direction = -1;
     options.points = 250;
-    branch_record record = run_from(text, "F=2.249457551590614", 8, state, &options);
+    branch_record record = run_from(table, "F=2.249457551590614", 8, state, &options);
     int changes = 0, deaths = 0;
     double death[4];
     for (int k = 0; k < record.count; k++) {
@@ -923,6 +920,33 @@ static void a_run_on_doubled_orbits_completes(void **unused) {
     check_near(death[1] / death[0], death[2] / death[1], 0.01);
     check_near(death[2] / death[1], death[3] / death[2], 0.01);
     branch_forget(&record);
+}
+
+/* Where the halves of a doubled orbit come to chatter at once, complete chatter makes them alike: the branch
+ * ends at the place where the chatter of the orbits of half the period begins. */
+static void chatter_joins_the_orbits_of_a_part(void **unused) {
+    (void)unused;
+    static const double states[2][2] = {{0.013248467639684161, -0.12223345472173995},
+                                        {0.013248317026158337, -0.12223465585238509}};
+    static const char *const from[] = {"F=2.2814090535458296", "F=2.281409053610069"};
+    double place[2] = {0}, accuracy[2] = {0};
+    for (int doubled = 0; doubled < 2; doubled++) {
+        saltus_branch_options options = branch_along("F", 2.28, 2.3);
+        options.direction = 1;
+        options.points = doubled ? 300 : 65;
+        branch_record record = run_from(table, from[doubled], doubled ? 8 : 4, states[doubled], &options);
+        for (int k = 0; k < record.count; k++)
+            if (record.point[k].kind == SALTUS_POINT_CH &&
+                strcmp(record.point[k].label_after, "chatter/4") == 0) {
+                place[doubled] = record.point[k].value[0];
+                accuracy[doubled] = record.point[k].accuracy;
+            }
+        if (doubled)
+            assert_string_equal(last_of(&record)->reason, "joins orbits of a part of the period");
+        branch_forget(&record);
+    }
+    check_near(place[0], place[1], accuracy[0] + accuracy[1]);
+    assert_true(place[0] > 2.28);
 }
 
 /* Close to where a branch of orbits of twice the period begins, and another impact is about to be born, that
@@ -1115,6 +1139,7 @@ int main(void) {
         cmocka_unit_test(impacts_rebound_as_told),
         cmocka_unit_test(a_short_run_completes),
         cmocka_unit_test(a_run_on_doubled_orbits_completes),
+        cmocka_unit_test(chatter_joins_the_orbits_of_a_part),
         cmocka_unit_test(doubled_orbits_near_the_end_of_a_run),
         cmocka_unit_test(no_torus_begins_where_nothing_is_lost),
         cmocka_unit_test(a_second_chatter_completes),
