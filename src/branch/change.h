@@ -5,7 +5,8 @@
  * equations. Of the two directions along the new curve the branch takes one in which the event-driven flow
  * follows the new sequence; it may lead back in the parameter (a non-smooth fold). Where chatter completes,
  * or a contact ends or splits, the two sequences have no common unknowns: the orbit beyond is found by
- * shooting with the flow's own events, a little further on in the parameter.
+ * shooting with the flow's own events, a little further on in the parameter. Where chatter no longer
+ * completes, the branch goes on with orbits of only the first of its impacts: the more, the nearer to there.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_CHANGE_H
 #define SALTUS_BRANCH_CHANGE_H
@@ -68,8 +69,9 @@ typedef struct saltus_births {
 /* An impact is born at `place`, or one dies, which clears the list. */
 void saltus_births_note(saltus_births *births, bool born, double place);
 /* Chatter completes where births of impacts accumulate, in a geometric sequence: at its limit, to within a
- * fraction of the distance of the last birth from there. From `from`, an orbit near there, `at` becomes the
- * orbit on which the contact after complete chatter has zero length, `here` one beyond, within `range`.
+ * fraction of the distance of the last birth from there. From `from`, an orbit one step after the last birth,
+ * `at` becomes the orbit on which the contact after complete chatter has zero length, `here` one beyond,
+ * within `range`.
  * `far`: `from` may be further away, but the place must agree better with the limit. `scratch` is
  * overwritten. False if no orbit with complete chatter that begins there was found; the shooting then has the
  * sequence of `from`.
