@@ -241,7 +241,7 @@ static bool go_through(saltus_extended *x, const shorter *s, const double *unkno
     if (found)
         memcpy(at->at.u, u, (size_t)x->orbits.equations->unknowns * sizeof *u);
     saltus_shooting_free(shooting);
-    return found && saltus_locus_see_orbit(x, at);
+    return found && saltus_locus_survey_orbit(x, at);
 }
 
 static void close_shorter(saltus_extended *x, shorter *s) {

@@ -153,7 +153,7 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     memcpy(at->at.u, sharper ? u : located, size);
     at->at.ahead = sharper ? ahead : place;
     at->doubt = sharper ? doubt : at->doubt;
-    saltus_locus_see_orbit(x, at);
+    saltus_locus_survey_orbit(x, at);
 }
 
 /* What orbits on a curve of folds or tori may become without grazing: those of half the period (2), or such
@@ -279,7 +279,7 @@ saltus_point_kind saltus_locus_join(saltus_extended *x, saltus_locus_point *here
     if (kind && !(parts > 1 && locate_join(x, kind, parts, u, least, at))) {
         memcpy(at->at.u, u, size);
         sharpen_join(x, here, parts, least, at);
-        saltus_locus_see_orbit(x, at);
+        saltus_locus_survey_orbit(x, at);
     }
     if (kind)
         at->at.ahead = ahead;
@@ -318,7 +318,7 @@ static bool seek_end(saltus_extended *x, saltus_locus_point *here, measure by, i
         memcpy(at->at.u, u, (size_t)m * sizeof *u);
         at->at.ahead = ahead;
     }
-    return ahead > 0 && saltus_locus_see_orbit(x, at);
+    return ahead > 0 && saltus_locus_survey_orbit(x, at);
 }
 
 bool saltus_locus_fade(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {

@@ -185,7 +185,7 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
     saltus_status status = small ? find_small(l, start, message) : find_start(l, start, message);
     if (status != SALTUS_OK)
         return status;
-    if (!saltus_locus_see(&l->x, &l->here))
+    if (!saltus_locus_survey(&l->x, &l->here))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, lost);
     if (!saltus_curve_copy(&l->here.at, &l->beginning))
         return saltus_branch_no_memory(message);
@@ -325,7 +325,7 @@ static bool come_back(saltus_locus *l, double leaving, bool stays, double ahead)
         saltus_curve_bend(&l->here.at, &l->next.at);
         const saltus_status status =
             saltus_curve_visit(&l->x.equations, &l->next.at, -0.5 * ahead, &l->trial.at, NULL);
-        if (saltus_orbits_noted(&l->x.orbits, status) != SALTUS_OK || !saltus_locus_see(&l->x, &l->trial))
+        if (saltus_orbits_noted(&l->x.orbits, status) != SALTUS_OK || !saltus_locus_survey(&l->x, &l->trial))
             break;
         if (saltus_corner_breach(&l->x, &l->trial.orbit) >= 0)
             return false;
@@ -373,7 +373,7 @@ static bool leave(saltus_locus *l, bool turns, bool leaves, saltus_message *why)
         /* Folds of orbits that stay their own mirror images solve the equations of branch points, too, and
          * these those of folds. */
         found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK && !saltus_extended_strays(&l->x) &&
-                saltus_locus_see(&l->x, &l->next) && has_left(l, &l->next, leaving, stays, ahead) &&
+                saltus_locus_survey(&l->x, &l->next) && has_left(l, &l->next, leaving, stays, ahead) &&
                 come_back(l, leaving, stays, ahead);
     }
     l->x.equations.tolerance = usual;
@@ -421,7 +421,7 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
         }
         if (status != SALTUS_OK)
             return status;
-        if (!saltus_locus_see(&l->x, &l->here))
+        if (!saltus_locus_survey(&l->x, &l->here))
             return saltus_fail(message, SALTUS_NO_CONVERGENCE, lost);
     }
     const double *way = plane_of(l, l->here.at.tangent);
@@ -632,7 +632,7 @@ static void meet_rest(saltus_locus *l) {
         memcpy(l->trial.at.u, best, m * sizeof *best);
         l->trial.at.ahead = middle;
         l->trial.doubt = least;
-        if (saltus_locus_see_orbit(&l->x, &l->trial))
+        if (saltus_locus_survey_orbit(&l->x, &l->trial))
             give_join(l, SALTUS_POINT_GH);
     }
 }
@@ -651,8 +651,9 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
             const saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step,
                                                            bounds, 2, &l->next.at, reached, NULL);
             found =
-                saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK && saltus_locus_see(&l->x, &l->next) &&
-                is_near(l, &l->next) && !saltus_curve_strays(&l->here.at, &l->next.at) &&
+                saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
+                saltus_locus_survey(&l->x, &l->next) && is_near(l, &l->next) &&
+                !saltus_curve_strays(&l->here.at, &l->next.at) &&
                 l->next.at.residual <= saltus_locus_sharpness(&l->x, &l->next, l->x.equations.tolerance) &&
                 !saltus_extended_strays(&l->x) && saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
@@ -680,9 +681,11 @@ static bool pass_corner(saltus_locus *l, const struct saltus_locus_zero *zero) {
     l->x.sharp = true;
     /* At a touch it is chance whether the flow meets the impact: use the survey of an orbit just before. */
     if (l->next.corners[own].breach && l->x.kind != SALTUS_POINT_GR &&
-        saltus_locus_visit(&l->x, &l->here, zero->place - just_before, &l->trial))
+        saltus_locus_visit(&l->x, &l->here, zero->place - just_before, &l->trial) &&
+        saltus_locus_survey_orbit(&l->x, &l->trial))
         SALTUS_SWAP(before.survey, l->trial.orbit.survey);
-    const bool found = saltus_locus_visit_zero(&l->x, &l->here, zero, &l->trial);
+    const bool found = saltus_locus_visit_zero(&l->x, &l->here, zero, &l->trial) &&
+                       saltus_locus_survey_orbit(&l->x, &l->trial);
     if (found && l->trial.corners[own].breach && l->x.kind != SALTUS_POINT_GR)
         saltus_locus_sharpen_end(&l->x, &l->here, &l->trial);
     if (before.survey.walked)

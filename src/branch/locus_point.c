@@ -26,16 +26,25 @@ bool saltus_locus_see_orbit(saltus_extended *x, saltus_locus_point *p) {
     at->iterations = p->at.iterations;
     const saltus_status status = saltus_equations_evaluate(o->equations, at->u, NULL);
     return saltus_orbits_noted(o, status) == SALTUS_OK &&
-           saltus_solution_see(o, &p->orbit, NULL) == SALTUS_OK &&
-           saltus_solution_survey(o, &p->orbit, NULL) == SALTUS_OK;
+           saltus_solution_see(o, &p->orbit, NULL) == SALTUS_OK;
 }
 
-bool saltus_locus_see(saltus_extended *x, saltus_locus_point *p) {
-    if (!saltus_locus_see_orbit(x, p))
-        return false;
+bool saltus_locus_survey_orbit(saltus_extended *x, saltus_locus_point *p) {
+    return saltus_locus_see_orbit(x, p) && saltus_solution_survey(&x->orbits, &p->orbit, NULL) == SALTUS_OK;
+}
+
+static bool measure(saltus_extended *x, saltus_locus_point *p) {
     p->corner_count = saltus_corner_measure(x, &p->at, &p->orbit, p->corners);
     p->before_place = 0;
     return true;
+}
+
+bool saltus_locus_see(saltus_extended *x, saltus_locus_point *p) {
+    return saltus_locus_see_orbit(x, p) && measure(x, p);
+}
+
+bool saltus_locus_survey(saltus_extended *x, saltus_locus_point *p) {
+    return saltus_locus_survey_orbit(x, p) && measure(x, p);
 }
 
 saltus_status saltus_locus_take_up(saltus_extended *x, saltus_locus_point *here, const double *u,
@@ -185,7 +194,7 @@ bool saltus_locus_install(saltus_extended *x, saltus_locus_point *here, const sa
         status = saltus_curve_orient(&x->equations, guide, &here->at, NULL);
     free(guide);
     /* The determinants have changed. */
-    return saltus_orbits_noted(&x->orbits, status) == SALTUS_OK && saltus_locus_see(x, here);
+    return saltus_orbits_noted(&x->orbits, status) == SALTUS_OK && saltus_locus_survey(x, here);
 }
 
 bool saltus_locus_grows(const saltus_extended *x, const saltus_solution *s) {
@@ -409,7 +418,7 @@ void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, do
         at->doubt =
             hypot(at->doubt, at->at.u[j] - saltus_curve_interpolate(square, u + j * samples, samples - 1));
     if (found)
-        saltus_locus_see_orbit(x, at);
+        saltus_locus_survey_orbit(x, at);
 }
 
 /* Whether an orbit has a contact after complete chatter that is shorter than this. */
@@ -445,7 +454,7 @@ bool saltus_locus_end_contact(saltus_extended *x, const saltus_locus_point *here
     }
     room = room && saltus_curve_copy(&last, &at->at);
     x->orbits.starved |= !room;
-    bool found = room && saltus_locus_see_orbit(x, at);
+    bool found = room && saltus_locus_survey_orbit(x, at);
     x->equations.tolerance = usual;
     at->doubt = 2 * step;
     at->at.ahead = place;

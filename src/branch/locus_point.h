@@ -19,10 +19,13 @@ typedef struct saltus_locus_point {
 
 /* Free the arrays. A zeroed one is accepted. */
 void saltus_locus_point_clear(saltus_locus_point *point);
-/* Evaluate and survey the orbit at point->at. False if the equations fail. */
+/* Evaluate the orbit at point->at. False if the equations fail. */
 bool saltus_locus_see_orbit(saltus_extended *extended, saltus_locus_point *point);
-/* The same at a point just found by Newton's method, with the functions whose zeros are corners. */
+/* The same and, for a point that may be given out, go around the orbit with the flow's own events. */
+bool saltus_locus_survey_orbit(saltus_extended *extended, saltus_locus_point *point);
+/* Both at a point just found by Newton's method, with the functions whose zeros are corners. */
 bool saltus_locus_see(saltus_extended *extended, saltus_locus_point *point);
+bool saltus_locus_survey(saltus_extended *extended, saltus_locus_point *point);
 /* `here` becomes the point with these unknowns of the shooting's sequence, and `extra` as the unknown besides
  * them, before it is known to lie on the locus. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE, those of the
  * flow. */
