@@ -1780,6 +1780,8 @@ static void resonances(void **state) {
             /* A double multiplier depends on its place like a square root. */
             check_near(fabs(atan2(mu[0].im, mu[0].re)), angle, p->kind == SALTUS_POINT_R2 ? 1e-3 : 1e-8);
             check_near(mu[0].log_modulus + mu[1].log_modulus, 0, 1e-7);
+            /* Neither of the two counts. */
+            assert_int_equal(p->unstable, 0);
         }
     }
     branch_forget(&own);

@@ -229,17 +229,12 @@ void saltus_locus_close(saltus_locus *l) {
     *l = (saltus_locus){.trail = l->trail, .starts = l->starts};
 }
 
-/* Give out a point of the curve, `ahead` of `here`; nothing if the curve has ended. */
-static void give(saltus_locus *l, const saltus_locus_point *p, saltus_point_kind kind, double ahead,
-                 const char *reason) {
+/* Give out a point of the curve, what.ahead of `here`; nothing if the curve has ended. */
+static void give_as(saltus_locus *l, const saltus_locus_point *p, saltus_notice what) {
     const saltus_solution *s = &p->orbit;
     const saltus_family *family = &l->x.orbits.family;
     const saltus_branch_options *options = l->trail->options;
-    const bool located = kind != l->x.kind && (kind != SALTUS_POINT_EP || reason == shrinks);
-    const saltus_notice what = {.kind = kind,
-                                .ahead = ahead,
-                                .accuracy = located ? p->doubt * l->x.orbits.family.unit[0] : NAN,
-                                .reason = reason};
+    const bool located = what.kind != l->x.kind && (what.kind != SALTUS_POINT_EP || what.reason == shrinks);
     const double breach = saltus_corner_breach(&l->x, s);
     const bool grazes = l->x.kind == SALTUS_POINT_GR, grazing = grazes || fabs(breach) < 1e-8;
     int returns;
@@ -268,7 +263,13 @@ static void give(saltus_locus *l, const saltus_locus_point *p, saltus_point_kind
         const saltus_breach touch = {.face = own->face, .time = own->time};
         saltus_point_mark_grazing(l->x.orbits.system, &touch, &point);
     }
+    what.accuracy = located ? p->doubt * family->unit[0] : NAN;
     saltus_trail_give(l->trail, l->x.orbits.system, &point, NULL, &what, &l->x.orbits.starved);
+}
+
+static void give(saltus_locus *l, const saltus_locus_point *p, saltus_point_kind kind, double ahead,
+                 const char *reason) {
+    give_as(l, p, (saltus_notice){.kind = kind, .ahead = ahead, .reason = reason});
 }
 
 /* Whether the last step, from what is now `next` to `here`, has passed the first point in its direction: not
@@ -506,7 +507,7 @@ static bool accumulate(saltus_grazings *g, const double place[2]) {
 static bool give_named(saltus_locus *l, const saltus_locus_test *corner, double ahead) {
     const saltus_trail *t = l->trail;
     const saltus_solution *at = &l->trial.orbit;
-    give(l, &l->trial, corner->kind, ahead, NULL);
+    give_as(l, &l->trial, (saltus_notice){.kind = corner->kind, .ahead = ahead, .joins = corner->joins});
     if (!t->following || t->options->switches == 0)
         return false;
     const bool closes = saltus_locus_starts_pass(&l->x, at, corner->joins, l->starts);

@@ -136,59 +136,76 @@ bool saltus_trail_keeps(saltus_point_kind kind) {
     return orbits_meet >> kind & 1;
 }
 
-/* Which multiplier, or eigenvalue, is the critical one at a point of a `marginal` kind, or the first of the
- * critical pair; -1: none. Of those of its sign it is the nearest to the circle or axis; where rounding hides
- * even its sign, of all. */
-static int find_critical(const saltus_branch_point *point, bool pair, int sign) {
-    const double near = 1; /* of the logarithm */
-    const saltus_multiplier *mu = point->multipliers;
-    int critical = -1;
-    for (int pass = 0; pass < 2; pass++)
-        for (int k = 0; k < point->multiplier_count && (!pass || !pair); k++)
-            if ((mu[k].im != 0) == pair && (pass || sign * mu[k].re >= 0) &&
-                (critical < 0 ||
-                 fabs(mu[k].log_modulus) < fabs(mu[critical].log_modulus) - (pass ? near : 0)))
-                critical = k;
-    return critical;
+/* Choose a critical multiplier, or pair: the nearest to the circle or axis, those of its sign first; one of
+ * two equal ones, which rounding may have made a pair, the nearest to their place. It is not known where
+ * rounding hides that it is critical. */
+static bool choose_critical(saltus_branch_point *point, int sign, bool pair, bool equal, bool *critical) {
+    const double other_sign = 1, hidden = 1e-2; /* the first of the logarithm */
+    saltus_multiplier *mu = point->multipliers;
+    double least = INFINITY;
+    int found = -1;
+    for (int k = 0; k < point->multiplier_count; k++) {
+        const double off = equal ? hypot(mu[k].re - sign, mu[k].im)
+                                 : fabs(mu[k].log_modulus) + (sign * mu[k].re < 0 ? other_sign : 0);
+        if (critical[k] || !(off < least) || (!equal && (mu[k].im != 0) != pair))
+            continue;
+        least = off;
+        found = k;
+    }
+    if (found >= 0)
+        critical[found] = critical[found + (pair && !equal)] = true;
+    if (found >= 0 && sign && !equal && fabs(mu[found].re - sign) > hidden)
+        mu[found] = (saltus_multiplier){NAN, NAN, NAN};
+    return found >= 0;
 }
 
-/* At a point of a `marginal` kind: rounding decides on which side the critical multiplier or eigenvalue is,
- * or pair. It is not counted, and not known where rounding hides that it is critical. */
-static void judge_marginal(saltus_branch_point *point, saltus_point_kind kind, bool joins) {
-    const double hidden = 1e-2;
-    const bool pair = kind == SALTUS_POINT_NS || (kind == SALTUS_POINT_HB && !point->periods);
-    const int sign = pair || !point->periods ? 0 : kind == SALTUS_POINT_PD && !joins ? -1 : 1;
-    const int critical = find_critical(point, pair, sign);
-    saltus_multiplier *mu = point->multipliers, others[SALTUS_STATE_MAX];
+/* The number of multipliers outside the unit circle, or of eigenvalues with positive real part, at a point of
+ * this kind on a curve of a `marginal` kind. Rounding decides on which side the critical ones are. They are
+ * not counted. Along an orbit of twice the period a flip's multiplier is 1. */
+static int count_outside(saltus_branch_point *point, saltus_point_kind curve, saltus_point_kind kind,
+                         bool joins) {
+    const bool rest = !point->periods, pair = curve == SALTUS_POINT_NS || (curve == SALTUS_POINT_HB && rest),
+               equal = kind == SALTUS_POINT_R1 || kind == SALTUS_POINT_R2 || kind == SALTUS_POINT_BT ||
+                       (kind == SALTUS_POINT_R4 && joins);
+    const int flip = joins ? 1 : -1;
+    const bool flips = kind == SALTUS_POINT_R2 || curve == SALTUS_POINT_PD;
+    const int sign = rest || (pair && !equal) ? 0 : flips ? flip : 1;
+    saltus_multiplier others[SALTUS_STATE_MAX];
     saltus_eigenvalue rates[SALTUS_STATE_MAX];
+    bool critical[SALTUS_STATE_MAX + 1] = {false};
     int count = 0;
-    point->stable = false;
-    if (critical < 0)
-        return;
+    if (!choose_critical(point, sign, pair, equal, critical))
+        return point->unstable;
+    if (equal)
+        choose_critical(point, sign, pair, equal, critical);
+    else if (kind == SALTUS_POINT_PD_NS)
+        choose_critical(point, pair ? flip : 0, !pair, false, critical);
+    else if (kind == SALTUS_POINT_LP_PD)
+        choose_critical(point, curve == SALTUS_POINT_PD ? 1 : flip, false, false, critical);
     for (int k = 0; k < point->multiplier_count; k++)
-        if (k != critical && !(pair && k == critical + 1)) {
-            rates[count] = (saltus_eigenvalue){mu[k].re, mu[k].im};
-            others[count++] = mu[k];
+        if (!critical[k]) {
+            rates[count] = (saltus_eigenvalue){point->multipliers[k].re, point->multipliers[k].im};
+            others[count++] = point->multipliers[k];
         }
-    point->unstable = !point->periods ? saltus_eigenvalues_growing(rates, count).growing
-                      : count         ? saltus_multipliers_unstable(others, count)
-                                      : 0;
-    if (sign && fabs(mu[critical].re - sign) > hidden)
-        mu[critical] = (saltus_multiplier){NAN, NAN, NAN};
+    return rest    ? saltus_eigenvalues_growing(rates, count).growing
+           : count ? saltus_multipliers_unstable(others, count)
+                   : 0;
 }
 
 /* `point`: the last in the queue. */
 static void judge_stability(const saltus_trail *t, const saltus_notice *what, saltus_branch_point *point) {
     const saltus_point_kind kind = point->locus ? point->locus : what->kind ? what->kind : what->origin;
     const saltus_branch_point *last = t->queue.count > 1 ? point - 1 : NULL;
-    if (marginal >> kind & 1) {
-        judge_marginal(point, kind, what->joins);
-    } else if (kind == SALTUS_POINT_EP && last && marginal >> last->kind & 1 &&
-               last->arclength == t->arclength + what->ahead) {
+    const bool again = what->kind == SALTUS_POINT_EP && last && last->branch == t->number &&
+                       last->arclength == t->arclength + what->ahead;
+    if (again && marginal >> (last->locus ? last->locus : last->kind) & 1) {
         /* The branch ends at a point given out already. */
         point->stable = last->stable;
         point->unstable = last->unstable;
         memcpy(point->multipliers, last->multipliers, (size_t)point->dimension * sizeof *point->multipliers);
+    } else if (marginal >> kind & 1) {
+        point->stable = false;
+        point->unstable = count_outside(point, kind, what->kind, what->joins);
     }
 }
 

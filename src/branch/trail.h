@@ -32,7 +32,8 @@ typedef struct saltus_notice {
     const char *after;             /* label beyond; NULL: none */
     const double *value;           /* NULL: the solution's */
     bool change;                   /* a change of events: label and counts are those of the orbit before it */
-    bool joins; /* PD: the branch ends or begins at orbits of half the period, so that its multiplier is 1 */
+    bool joins; /* the branch, or curve, begins or ends at orbits of half the period, where a flip has the
+                   multiplier 1 */
     const saltus_breach *grazing; /* the touch, which a GR or BE tells; NULL: not known */
 } saltus_notice;
 
