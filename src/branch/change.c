@@ -489,7 +489,7 @@ static bool break_off(saltus_orbits *o, const saltus_solution *at, const double 
     if (status == SALTUS_OK && !(normal && saltus_curve_reserve(&here->at, e->unknowns)))
         status = SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
-        status = saltus_shooting_fill(o->shooting, at->parameter, at->state, anchor, NULL);
+        status = saltus_shooting_fill(o->shooting, at->parameter, at->state, 1, anchor, NULL);
     if (status == SALTUS_OK) {
         normal[fresh.cuts * o->n + last] = 1;
         memcpy(here->at.u, anchor, (size_t)e->unknowns * sizeof *anchor);
