@@ -821,18 +821,26 @@ KERNEL_INLINE unsigned pass(saltus_work *w, unsigned *quiet) {
     return lanes;
 }
 
-/* Even and odd coefficients in two chains, which halves the latency of Horner's rule. */
-KERNEL_INLINE saltus_pack polynomial(const saltus_pack *newest, long stride, int order, saltus_pack time,
-                                     saltus_pack square) {
-    saltus_pack high = newest[0], low = newest[-stride];
+/* A pack of displacements and one of velocities, even and odd coefficients of both in chains of their own,
+ * which halves the latency of Horner's rule. */
+KERNEL_INLINE void polynomials(const saltus_pack *q, const saltus_pack *v, long stride, int order,
+                               saltus_pack time, saltus_pack square, saltus_pack *to_q, saltus_pack *to_v) {
+    saltus_pack high = q[0], low = q[-stride], fast = v[0], slow = v[-stride];
     for (int k = order - 2; k > 0; k -= 2) {
-        newest -= 2 * stride;
-        high = saltus_pack_fma(high, square, newest[0]);
-        low = saltus_pack_fma(low, square, newest[-stride]);
+        q -= 2 * stride;
+        v -= 2 * stride;
+        high = saltus_pack_fma(high, square, q[0]);
+        low = saltus_pack_fma(low, square, q[-stride]);
+        fast = saltus_pack_fma(fast, square, v[0]);
+        slow = saltus_pack_fma(slow, square, v[-stride]);
     }
-    if (order % 2)
-        return saltus_pack_fma(high, time, low);
-    return saltus_pack_fma(low, time, saltus_pack_fma(high, square, newest[-2 * stride]));
+    if (order % 2) {
+        *to_q = saltus_pack_fma(high, time, low);
+        *to_v = saltus_pack_fma(fast, time, slow);
+    } else {
+        *to_q = saltus_pack_fma(low, time, saltus_pack_fma(high, square, q[-2 * stride]));
+        *to_v = saltus_pack_fma(slow, time, saltus_pack_fma(fast, square, v[-2 * stride]));
+    }
 }
 
 /* If degrees differ, set coefficients beyond a lane's degree to -0, which changes no bit of a sum. */
@@ -854,10 +862,8 @@ KERNEL_INLINE void evaluate(saltus_work *w) {
         cut_series(w, PACKS(w->jet.e), extras);
     }
     const saltus_pack *q = PACKS(w->jet.q) + order * stride, *v = PACKS(w->jet.v) + order * stride;
-    for (long p = 0; p < stride; p++) {
-        to_q[p] = polynomial(q + p, stride, order, spread, square);
-        to_v[p] = polynomial(v + p, stride, order, spread, square);
-    }
+    for (long p = 0; p < stride; p++)
+        polynomials(q + p, v + p, stride, order, spread, square, to_q + p, to_v + p);
     for (int i = 0; i < extras; i++) {
         lane_t sum = lane_constant(0);
         for (int k = order; k >= 0; k--)
