@@ -485,7 +485,8 @@ static bool break_off(saltus_orbits *o, const saltus_solution *at, const double 
     if (last < 0)
         return false;
     saltus_status status = saltus_shooting_shape(o->shooting, &fresh, NULL);
-    double *normal = calloc(2 * (size_t)e->unknowns, sizeof *normal), *anchor = normal + e->unknowns;
+    double *normal = calloc(2 * (size_t)e->unknowns, sizeof *normal),
+           *anchor = normal ? normal + e->unknowns : NULL;
     if (status == SALTUS_OK && !(normal && saltus_curve_reserve(&here->at, e->unknowns)))
         status = SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
@@ -653,7 +654,8 @@ static bool accumulate(const saltus_births *run, double *limit, double *rest) {
            fabs(*rest) > least;
 }
 
-/* `out` becomes the orbit `s` cut open in the flight after its slowest impact. */
+/* `out` becomes the orbit `s` cut open in the flight after its slowest impact. Not where the period is an
+ * unknown: the base is then bound to its hyperplane. */
 static bool open_after_run(saltus_orbits *o, const saltus_solution *s, saltus_solution *out) {
     const saltus_sequence *old = &s->sequence;
     saltus_sequence fresh;
@@ -663,7 +665,7 @@ static bool open_after_run(saltus_orbits *o, const saltus_solution *s, saltus_so
     for (int k = 0; k < old->count; k++)
         if (old->mark[k].kind == SALTUS_IMPACT && (slowest < 0 || speed[k] < speed[slowest]))
             slowest = k;
-    if (slowest < 0)
+    if (slowest < 0 || old->omega > 0)
         return false;
     const bool last = slowest + 1 == old->count;
     const double next = old->mark[last ? 0 : slowest + 1].time + (last ? old->periods : 0),
@@ -679,7 +681,7 @@ static bool open_after_run(saltus_orbits *o, const saltus_solution *s, saltus_so
  */
 typedef struct births_end {
     saltus_sequence sequence; /* left to the flow */
-    double limit, state[SALTUS_STATE_MAX], slope[SALTUS_STATE_MAX];
+    double state[SALTUS_STATE_MAX], slope[SALTUS_STATE_MAX];
 } births_end;
 
 /* Extrapolate from the orbit `birth` to the limit, which is `rest` further on. Complete chatter forgets what
@@ -694,7 +696,6 @@ static bool look_beyond_births(saltus_orbits *o, const saltus_solution *from, do
     const double *scale = saltus_shooting_scale(o->shooting);
     const double distance = (limit - trial->parameter[0]) / saltus_solution_heading(trial);
     end->sequence = left_to_flow(&trial->sequence);
-    end->limit = limit;
     for (int i = 0; i < o->n; i++)
         end->state[i] = trial->state[i] + distance * trial->at.tangent[i] * scale[i];
     for (int side = 1; side >= -1; side -= 2) {
