@@ -669,7 +669,11 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
         l->x.sharp = true;
         located = saltus_locus_find_corners(&l->x, &l->here, &l->next, &l->trial, crossed);
         l->x.sharp = false;
-        if (!located)
+        const saltus_point_kind joint =
+            located ? SALTUS_POINT_REGULAR : saltus_locus_join_near(&l->x, &l->trial);
+        if (joint)
+            give_join(l, joint);
+        else if (!located)
             l->trail->step = 0.5 * l->next.at.ahead;
     }
 }
