@@ -30,7 +30,7 @@ saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message)
         x->along = saltus_arena_doubles(&x->arena, k * c * m);
         x->fresh = saltus_arena_doubles(&x->arena, k * c * m);
         x->anchor = saltus_arena_doubles(&x->arena, m);
-        x->points = saltus_arena_doubles(&x->arena, 10 * (m + (size_t)x->extra));
+        x->points = saltus_arena_doubles(&x->arena, (SALTUS_SAMPLES_MOST + 2) * (m + (size_t)x->extra));
         x->kept = saltus_arena_doubles(&x->arena, 3 * (m + (size_t)x->extra));
     } while (saltus_arena_again(&x->arena));
     if (!x->arena.base || !saltus_dense_lu_open(&x->lu, x->copies * (count + 1)) ||

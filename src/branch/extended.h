@@ -19,6 +19,8 @@
 #include "branch/solution.h"
 #include "saltus/branch.h"
 
+enum { SALTUS_SAMPLES_MOST = 8 };
+
 /* The unknowns are those of the orbit, including both parameters, and `extra` more. */
 typedef struct saltus_extended {
     saltus_point_kind kind;
@@ -42,7 +44,7 @@ typedef struct saltus_extended {
     double *along, *fresh; /* A' v, copies x count x unknowns, and room for a new one */
     bool differs;          /* `along` has been computed */
     double *anchor;        /* point from which the orbit must not move along c */
-    /* For searches along the curve: unknowns of 8 points and a plane, and of 3 points that they keep. */
+    /* For searches along the curve: unknowns of so many points and a plane, and of 3 that they keep. */
     double *points, *kept;
 } saltus_extended;
 

@@ -16,7 +16,6 @@ static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s
     return false;
 }
 
-enum { samples_most = 8 };
 /* The halves of an orbit are all but alike. */
 static const double close_by = 6e-3;
 
@@ -42,7 +41,7 @@ static double left_of(saltus_extended *x, measure by, int parts, const saltus_so
 static double moved_by_residual(saltus_extended *x, const saltus_curve_point *at) {
     const double rounding = 1e-15;
     const int m = at->unknowns, c = x->orbits.equations->count;
-    double values[2], aside[2], *plane = x->points + samples_most * m;
+    double values[2], aside[2], *plane = x->points + SALTUS_SAMPLES_MOST * m;
     if (saltus_orbits_noted(&x->orbits, saltus_null_plane(&x->equations, plane, values, NULL)) != SALTUS_OK)
         return NAN;
     const double one = saltus_dot(plane, at->tangent, m), other = saltus_dot(plane + m, at->tangent, m);
@@ -58,7 +57,7 @@ static bool extrapolate(saltus_extended *x, saltus_locus_point *here, double ahe
                         measure by, int parts, saltus_locus_point *at, double *spread) {
     const double sharpest = 1e-13, sharp = 1e-11;
     int m = here->at.unknowns;
-    double rest[samples_most], moved[samples_most], *u = x->points;
+    double rest[SALTUS_SAMPLES_MOST], moved[SALTUS_SAMPLES_MOST], *u = x->points;
     saltus_locus_point before = {.corner_count = 0};
     bool found = true;
     /* A residual moves the place by its size divided by the remainder, and spoils the bend even more. */
@@ -92,7 +91,7 @@ static bool extrapolate(saltus_extended *x, saltus_locus_point *here, double ahe
         *spread = hypot(*spread, at->at.u[j + d] - saltus_curve_interpolate(rest, values, samples - 1));
     }
     for (int k = 0; k < samples && found; k++) {
-        double own[samples_most] = {0};
+        double own[SALTUS_SAMPLES_MOST] = {0};
         own[k] = moved[k];
         *spread += fabs(saltus_curve_interpolate(rest, own, samples));
     }
@@ -129,7 +128,7 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     const bool bent = here->at.bent;
     memcpy(located, at->at.u, size);
     for (int k = 0; k < 2 * spacings; k++) {
-        const bool sound = extrapolate(x, here, place, apart[k / 2], samples_most,
+        const bool sound = extrapolate(x, here, place, apart[k / 2], SALTUS_SAMPLES_MOST,
                                        k % 2 ? BY_ROOT : BY_BREACH, 0, at, &spread);
         const double moved = hypot(at->at.u[c] - located[c], at->at.u[c + 1] - located[c + 1]);
         if (!sound || !(spread < second) || !(moved < far))
@@ -297,7 +296,8 @@ static bool seek_end(saltus_extended *x, saltus_locus_point *here, measure by, i
     double spread, ahead = 0, before[2] = {NAN, NAN}, *u = x->kept;
     for (int k = 2 * first; k < 2 * end; k++) {
         const double own = apart[k / 2];
-        if (!extrapolate(x, here, 0, own, k % 2 ? samples_most : samples_most - 2, by, parts, at, &spread))
+        if (!extrapolate(x, here, 0, own, k % 2 ? SALTUS_SAMPLES_MOST : SALTUS_SAMPLES_MOST - 2, by, parts,
+                         at, &spread))
             continue;
         /* The change from the attempt before says more than `spread` alone. */
         const double doubt = fmax(spread, hypot(at->at.u[c] - before[0], at->at.u[c + 1] - before[1]));
