@@ -15,13 +15,14 @@ void saltus_extended_close(saltus_extended *x) {
 
 saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message) {
     const int count = x->orbits.equations->count;
-    const size_t m = (size_t)count + 2, c = (size_t)count, k = (size_t)x->copies;
+    const size_t m = (size_t)count + 2, c = (size_t)count,
+                 k = (size_t)(x->kind == SALTUS_POINT_GR ? 0 : x->copies), order = k * (c + 1);
     saltus_extended_close(x);
     do {
         saltus_equations_reserve(&x->equations, count + 2 + x->extra, &x->arena);
-        x->matrix = saltus_arena_doubles(&x->arena, k * (c + 1) * k * (c + 1));
-        x->right = saltus_arena_doubles(&x->arena, k * (c + 1));
-        x->left = saltus_arena_doubles(&x->arena, k * k * (c + 1));
+        x->matrix = saltus_arena_doubles(&x->arena, order * order);
+        x->right = saltus_arena_doubles(&x->arena, order);
+        x->left = saltus_arena_doubles(&x->arena, k * order);
         x->b = saltus_arena_doubles(&x->arena, k * c);
         x->c = saltus_arena_doubles(&x->arena, k * c);
         x->folding[0] = saltus_arena_doubles(&x->arena, c);
@@ -33,7 +34,7 @@ saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message)
         x->points = saltus_arena_doubles(&x->arena, (SALTUS_SAMPLES_MOST + 2) * (m + (size_t)x->extra));
         x->kept = saltus_arena_doubles(&x->arena, 3 * (m + (size_t)x->extra));
     } while (saltus_arena_again(&x->arena));
-    if (!x->arena.base || !saltus_dense_lu_open(&x->lu, x->copies * (count + 1)) ||
+    if (!x->arena.base || (order && !saltus_dense_lu_open(&x->lu, (int)order)) ||
         !saltus_dense_lu_open(&x->equations.lu, count + 2 + x->extra))
         return saltus_branch_no_memory(message);
     x->differs = x->folds = false;

@@ -32,7 +32,7 @@ typedef struct saltus_extended {
     int copies;    /* 2 where v and w are complex: real and imaginary parts one after the other */
     bool sharp;    /* derivatives of fourth order */
     saltus_equations equations;
-    /* For the present sequence. */
+    /* For the present sequence; down to `along` nothing at grazing. */
     saltus_arena arena;
     saltus_dense_lu lu;   /* of the bordered matrix */
     double *matrix;       /* the bordered matrix */

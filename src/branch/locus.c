@@ -671,7 +671,7 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
         l->x.sharp = false;
         const saltus_point_kind joint =
             located ? SALTUS_POINT_REGULAR : saltus_locus_join_near(&l->x, &l->trial);
-        if (joint)
+        if (joint && isfinite(l->trial.doubt))
             give_join(l, joint);
         else if (!located)
             l->trail->step = 0.5 * l->next.at.ahead;
@@ -769,7 +769,8 @@ static saltus_status archive_here(saltus_locus *l, saltus_archive *a, saltus_mes
     }
     if (!a->sound)
         return SALTUS_OK;
-    size_t count = (size_t)x->orbits.equations->count, size = (size_t)x->copies * count;
+    size_t count = (size_t)x->orbits.equations->count,
+           size = x->kind == SALTUS_POINT_GR ? 0 : (size_t)x->copies * count;
     saltus_archive_finite(a, x->b, size);
     saltus_archive_finite(a, x->c, size);
     saltus_archive_finite(a, x->anchor, count + 2);
