@@ -6,7 +6,7 @@
 enum { steps = 3 };
 
 typedef struct network {
-    const char *scene, *settings; /* a scene's name or text */
+    const char *scene, *settings;
     saltus_point_kind locus;
     const char *key[2];
     double low[2], high[2];
@@ -19,10 +19,7 @@ static saltus_scene open_scene(const network *n) {
     saltus_message message = {.text = ""};
     saltus_scene scene = {.name = ""};
     char *settings = strdup(n->settings), *rest = settings;
-    if (strstr(n->scene, "model:"))
-        check_ok(saltus_scene_parse(n->scene, strlen(n->scene), "test", &scene, &message), &message);
-    else
-        check_ok(saltus_scene_load(n->scene, &scene, &message), &message);
+    check_ok(saltus_scene_load(n->scene, &scene, &message), &message);
     for (char *word; (word = strtok_r(rest, " ", &rest));)
         check_ok(saltus_scene_set(&scene, word, &message), &message);
     free(settings);
@@ -265,27 +262,6 @@ static void places_come_again_with_more_impacts(void **unused) {
     for (int k = 0; k < record.count; k++)
         assert_null(strstr(record.point[k].reason, "come back"));
     branch_forget(&record);
-}
-
-/* A curve of grazing whose orbits become those of half the period where two impacts of these graze has so
- * short a way to go there that no place before tells it; the zero of a breach does. */
-static void two_grazings_of_half_the_period_are_met_from_near_by(void **unused) {
-    (void)unused;
-    static const double state[] = {0.09099479965273734, 0.7197336839054209};
-    static const network network = {
-        "model:\n  parameters: {k3: 0.275, omega: 1.1039}\n"
-        "  motion: {x: \"-0.0514*x' - 1.947*x - k3*x^3 + 1.4361*cos(omega*t) + 0.203*sin(2*omega*t) - "
-        "0.0423\"}\n"
-        "  forcing: omega\nstop: {coordinate: x, d: 0.1579, r: 0.262, sides: both}\n",
-        "omega=1.952792893462125 d=0.14899086959105423",
-        SALTUS_POINT_GR,
-        {"omega", "d"},
-        {1.9, 0.14},
-        {2, 0.16},
-        0,
-        {0.02},
-        -1};
-    check_network(&network, 2, state);
 }
 
 /* Where folds of orbits of twice the period end at a grazing that is not felt, their equations fail so near
@@ -819,7 +795,6 @@ int main(void) {
         cmocka_unit_test(mirror_images_graze_at_once),
         cmocka_unit_test(impacts_shrink_to_a_flat_touch),
         cmocka_unit_test(places_come_again_with_more_impacts),
-        cmocka_unit_test(two_grazings_of_half_the_period_are_met_from_near_by),
         cmocka_unit_test(folds_fade_from_near_by),
         cmocka_unit_test(folds_end_at_symmetric_orbits),
         cmocka_unit_test(folds_end_at_flips),

@@ -243,9 +243,7 @@ saltus_point_kind saltus_locus_join_near(saltus_extended *x, saltus_locus_point 
     int parts = x->kind == SALTUS_POINT_GR ? at->orbit.sequence.periods : 0;
     while (parts > 1 && !(saltus_solution_part_distance(&x->orbits, &at->orbit, parts, NULL) < small))
         parts--;
-    return parts > 1 && (saltus_halved_touch(x, SALTUS_POINT_GR_PD, parts, near, at) ||
-                         (touches_elsewhere(x, &at->orbit, parts) &&
-                          saltus_halved_touch(x, SALTUS_POINT_GR_GR, parts, near, at)))
+    return parts > 1 && saltus_halved_touch(x, SALTUS_POINT_GR_PD, parts, near, at)
                ? kind_of_join(x, &at->orbit, parts)
                : SALTUS_POINT_REGULAR;
 }

@@ -669,11 +669,7 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
         l->x.sharp = true;
         located = saltus_locus_find_corners(&l->x, &l->here, &l->next, &l->trial, crossed);
         l->x.sharp = false;
-        const saltus_point_kind joint =
-            located ? SALTUS_POINT_REGULAR : saltus_locus_join_near(&l->x, &l->trial);
-        if (joint && isfinite(l->trial.doubt))
-            give_join(l, joint);
-        else if (!located)
+        if (!located)
             l->trail->step = 0.5 * l->next.at.ahead;
     }
 }
