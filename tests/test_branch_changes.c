@@ -1113,6 +1113,48 @@ static void nothing_is_named_within_rounding(void **unused) {
     branch_forget(&record);
 }
 
+/* Beyond a birth whose impact is soon lost by the flow a long step leaps, and there is a fold on the way. */
+static void folds_are_found_on_leaps(void **unused) {
+    (void)unused;
+    saltus_branch_options options = branch_along("omega", 0.547218, 0.702616);
+    int found = 0;
+    options.direction = 1;
+    options.step = options.step_max = 0.1;
+    options.points = 170;
+    branch_record record =
+        run_from("two-mass", "d=0.177159 r=0.807806 omega=0.576639 c=0.0785747", 0, NULL, &options);
+    for (int k = 0; k < record.count; k++)
+        found += record.point[k].kind == SALTUS_POINT_LP &&
+                 fabs(record.point[k].value[0] - 0.584614829769) < 1e-11;
+    assert_int_equal(found, 1);
+    branch_forget(&record);
+}
+
+/* Where a branch joins orbits of half the period the row is theirs, no row beside it counts a multiplier by
+ * rounding, and neither does the first one of a branch that leaves there. */
+static void rows_beside_joins_count_no_rounding(void **unused) {
+    (void)unused;
+    saltus_branch_options options = branch_along("r", 0.483184, 1);
+    int joins = 0;
+    options.step = 0.02;
+    options.step_max = 0.04;
+    options.switches = 1;
+    branch_record record =
+        run_from("gear-rattle", "c=0.0735249 F0=0.0609808 A=0.886733 d=0.52657 r=0.854679 omega=1.26441", 0,
+                 NULL, &options);
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        assert_true(p->branch != 1 || p->unstable == 0);
+        assert_true(p->parent < 0 || p->step > 0 || (p->unstable == 0 && !p->stable));
+        if (p->branch != 1 || p->kind != SALTUS_POINT_PD || !strstr(p->reason, "joins"))
+            continue;
+        joins++;
+        check_near(p->multipliers[0].re, 1, 1e-10);
+    }
+    assert_int_equal(joins, 1);
+    branch_forget(&record);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doubled_orbits_end_at_flips),
@@ -1148,6 +1190,8 @@ int main(void) {
         cmocka_unit_test(a_pair_turns_real_before_grazing),
         cmocka_unit_test(no_fold_is_on_the_other_branch),
         cmocka_unit_test(nothing_is_named_within_rounding),
+        cmocka_unit_test(folds_are_found_on_leaps),
+        cmocka_unit_test(rows_beside_joins_count_no_rounding),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
