@@ -7,6 +7,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/born.h"
 #include "branch/ending.h"
+#include "branch/sequence.h"
 #include "branch/trace.h"
 #include "orbit/lap.h"
 
@@ -703,6 +704,8 @@ static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *re
  * otherwise the branch ends here or leaps over a change of events. At the start of a branch that leaves
  * another one the equations are singular, so that only its own segments give the tangent. */
 static void go_on_lost(saltus_trace *t, saltus_status reason, const char *why) {
+    static const char tail[] =
+        "impacts in the tail of a long run come or go, so that the next orbit is not found";
     const double visible = 1e-9;
     saltus_trail *trail = t->trail;
     const saltus_equations *e = t->orbits.equations;
@@ -711,13 +714,14 @@ static void go_on_lost(saltus_trace *t, saltus_status reason, const char *why) {
     char grows[SALTUS_REASON_MAX];
     snprintf(grows, sizeof grows,
              "errors of the flow grow %.1g-fold along it, so that the next orbit is not found", growth);
+    if (reason == SALTUS_NO_CONVERGENCE)
+        why = rounds ? grows : saltus_sequence_has_tail(&t->here->sequence) ? tail : why;
     if (reason == SALTUS_NO_CONVERGENCE &&
         (e->size < 1e3 * e->tolerance || (rounds && !(trail->fresh && trail->parent >= 0))) &&
         saltus_solution_refine(&t->orbits, t->here, t->trial, NULL))
         trail->step = trail->options->step;
     else if (!end_at_saddle(t, t->here, 0, true))
-        leap(t, 0, 2 * trail->step, SALTUS_LEAP_LOST,
-             reason == SALTUS_NO_CONVERGENCE && rounds ? grows : why);
+        leap(t, 0, 2 * trail->step, SALTUS_LEAP_LOST, why);
 }
 
 /* The longest step from a solution. For a cycle the states at all cuts count in the arclength; scale the step
