@@ -285,8 +285,9 @@ static double distance_ahead(const saltus_curve_point *a, const saltus_curve_poi
 }
 
 /* The branch goes on at `spare`, beyond the change at `trial`: give out the special points on the way back
- * from there to the change, as far as the flow follows that. `same`: both have the same sequence. */
-static void give_specials_beyond(saltus_trace *t, bool same) {
+ * from there to the change, as far as the flow follows that. `same`: both have the same sequence; `distance`:
+ * the arclength between. */
+static void give_specials_beyond(saltus_trace *t, bool same, double distance) {
     const double least = 1e-5, flat = 1e-3;
     saltus_orbits *o = &t->orbits;
     const saltus_curve_point *before = &t->trial->at;
@@ -306,7 +307,7 @@ static void give_specials_beyond(saltus_trace *t, bool same) {
     if (!saltus_solution_visit(o, t->here, ahead, t->next) ||
         saltus_orbits_noted(o, saltus_solution_survey(o, t->next, NULL)) != SALTUS_OK)
         return;
-    t->trail->arclength -= ahead;
+    t->trail->arclength += fmax(ahead - distance, 0) - ahead;
     give_specials(t, NULL, 0, false);
     t->trail->arclength += ahead;
     saltus_survey_follow(&t->spare->survey, &t->here->survey, -ahead);
@@ -330,7 +331,7 @@ static void go_over(saltus_trace *t, saltus_notice what, double distance) {
         return;
     saltus_trail_jump(t->trail, distance);
     t->trail->fresh = false;
-    give_specials_beyond(t, !changes);
+    give_specials_beyond(t, !changes, distance - what.ahead);
     if (!t->trail->following)
         return;
     t->spare->at.ahead = 0;
