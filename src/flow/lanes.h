@@ -85,7 +85,8 @@ KERNEL_INLINE void set_row_element(saltus_pack *row, int i, lane_t value) {
     row[i] = value;
 }
 
-/* With 8 in the widest pack: first terms i, i + 8, i + 16, ..., then pairs four, two and one apart. */
+/* With 8 in the widest pack: first terms i, i + 8, i + 16, ..., then pairs four, two and one apart. Zeros
+ * that fill a narrow row up are not added, which at most changes the sign of a zero. */
 KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
     (void)packs;
     lane_t t[SALTUS_PACK_MAX];
@@ -94,7 +95,7 @@ KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
     for (int i = SALTUS_PACK_MAX; i < n; i++)
         t[i % SALTUS_PACK_MAX] += row[i];
     for (int half = SALTUS_PACK_MAX / 2; half > 0; half /= 2)
-        for (int i = 0; i < half; i++)
+        for (int i = 0; i < half && i + half < n; i++)
             t[i] += t[i + half];
     return t[0];
 }
