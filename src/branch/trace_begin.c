@@ -127,10 +127,11 @@ static void give_first(saltus_trace *t, const saltus_branch_start *start) {
     const saltus_solution *here = t->here;
     const int side = start->heading > 0;
     /* What branches off a flip is of twice the period; what a branch has joined there is not. */
-    saltus_trace_give(t, here,
-                      (saltus_notice){.origin = start->unknowns > 0 ? start->origin : SALTUS_POINT_REGULAR,
-                                      .joins = start->place == 0,
-                                      .accuracy = NAN});
+    saltus_trace_give(
+        t, here,
+        (saltus_notice){.origin = start->unknowns && !is_small(start) ? start->origin : SALTUS_POINT_REGULAR,
+                        .joins = start->place == 0,
+                        .accuracy = NAN});
     t->trail->regular = 1;
     for (int k = 0; k < options->value_count && t->trail->following; k++)
         if (options->values[k] == here->value)
