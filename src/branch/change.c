@@ -536,12 +536,6 @@ void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ah
     double astray, pace = 0, border = range[heading > 0];
     change->at_border =
         fabs(at->parameter[0] - border) < saltus_at_border && shoot_ahead(o, at, border, here, &astray);
-    if (ceases && !change->at_border && break_off(o, at, range, here, scratch)) {
-        *change = compare(o, from, at, width, why, here);
-        change->distance = fabs(here->parameter[0] - at->parameter[0]);
-        saltus_solution_label(o, here, change->after);
-        return;
-    }
     /* Where chatter completes, changes lie close together; where grazings accumulate, the parameter turns
      * back again and again. The last attempt repeats the first that gave an orbit to use if no better one is
      * found. */
@@ -575,6 +569,11 @@ void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ah
         }
         if (belongs == BELONGS_ELSE && other < 0 && distance >= reach[wide])
             other = own;
+    }
+    if (ceases && !change->at_border && !change->after[0] && break_off(o, at, range, here, scratch)) {
+        *change = compare(o, from, at, width, why, here);
+        change->distance = fabs(here->parameter[0] - at->parameter[0]);
+        saltus_solution_label(o, here, change->after);
     }
 }
 

@@ -390,6 +390,49 @@ saltus_status saltus_orbits_evaluate(const saltus_orbits *o, const saltus_sequen
                                : status;
 }
 
+saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *s, double time, double *state,
+                                       saltus_message *message) {
+    const saltus_sequence *own = &s->sequence;
+    const double later = time < own->base ? time + own->periods : time;
+    int k = own->cuts - 1;
+    saltus_sequence cut = *own;
+    saltus_shooting *shooting = NULL;
+    double *u;
+    while (k > 0 && own->cut[k] > later)
+        k--;
+    for (int i = 0; i < o->n; i++)
+        state[i] = k ? s->at.u[k * o->n + i] * saltus_shooting_scale(o->shooting)[i] : s->state[i];
+    if (later == own->cut[k])
+        return SALTUS_OK;
+    /* It is the state at the second cut of the sequence that begins at the last one before. */
+    if (k > 0)
+        saltus_sequence_turn(own, own->cut[k], 1, &cut, NULL);
+    cut.cuts = 2;
+    cut.cut[0] = cut.base;
+    cut.cut[1] = cut.base + (later - own->cut[k]);
+    saltus_status status = saltus_orbits_shoot(o, &cut, s->parameter, state, &shooting, &u, message);
+    for (int i = 0; i < o->n && status == SALTUS_OK; i++)
+        state[i] = u[o->n + i] * saltus_shooting_scale(shooting)[i];
+    saltus_shooting_free(shooting);
+    return saltus_orbits_noted(o, status);
+}
+
+saltus_status saltus_solution_states_at(saltus_orbits *o, const saltus_solution *s,
+                                        const saltus_sequence *cut, double *states, saltus_message *message) {
+    saltus_shooting *shooting = NULL;
+    double *u;
+    saltus_status status = SALTUS_OK;
+    for (int j = 0; j < cut->cuts && s->sequence.cuts > 1 && status == SALTUS_OK; j++)
+        status = saltus_solution_state_at(o, s, cut->cut[j], states + j * o->n, message);
+    if (s->sequence.cuts > 1)
+        return status;
+    status = saltus_orbits_shoot(o, cut, s->parameter, s->state, &shooting, &u, message);
+    if (status == SALTUS_OK)
+        memcpy(states, saltus_shooting_states(shooting, u), (size_t)(cut->cuts * o->n) * sizeof *states);
+    saltus_shooting_free(shooting);
+    return saltus_orbits_noted(o, status);
+}
+
 bool saltus_orbits_join(const saltus_orbits *o, double before, double apart, double ahead) {
     return fabs(ahead) * apart < cbrt(o->equations->tolerance) * (before - apart);
 }
