@@ -18,8 +18,9 @@ void saltus_trace_drop_starts(saltus_trace *t) {
         double value = t->orbits.origin + t->orbits.family.unit[0] * start->parameter;
         if (start->place == 0 && start->origin == point->kind && start->sequence.periods == point->periods &&
             fabs(value - point->value[0]) < 1e-7 * t->orbits.family.unit[0])
-            continue;
-        t->starts->start[kept++] = *start;
+            saltus_branch_start_clear(start);
+        else
+            t->starts->start[kept++] = *start;
     }
     t->starts->count = kept;
 }
