@@ -1065,7 +1065,7 @@ static void a_pair_turns_real_before_grazing(void **unused) {
                                "stop: {coordinate: a - p2*b, d: 0.4383, r: 0.5692, sides: upper}\n";
     saltus_branch_options options = branch_along("p2", -2.0168, -0.89859);
     options.direction = 1;
-    options.points = 32;
+    options.points = 25;
     branch_record record = run_from(rods, "p2=-1.397", 0, NULL, &options);
     const saltus_branch_point *torus = NULL;
     for (int k = 0; k < record.count; k++)

@@ -109,16 +109,16 @@ void saltus_change_graze(saltus_orbits *o, const saltus_solution *from, const sa
     const saltus_breach_kind worst = saltus_solution_touch(at)->kind;
     int order[SALTUS_MARKS_MAX];
     saltus_breach *picked = calloc((size_t)at->breach_count + 1, sizeof *picked);
-    const int most = at->at.unknowns + at->breach_count;
-    double *old = calloc((size_t)(most + at->sequence.cuts * o->n) + 1, sizeof *old);
+    double *old = calloc((size_t)(at->at.unknowns + at->breach_count) + 1, sizeof *old);
+    double *states = calloc((size_t)(at->sequence.cuts * o->n), sizeof *states);
     saltus_sequence other;
     bool passes = false;
     *change = (saltus_change){.kind = SALTUS_POINT_EP};
     *beyond = at->sequence;
-    const bool room = picked && old;
+    const bool room = picked && old && states;
     o->starved |= !room;
     if (room)
-        saltus_solution_states(o, at, old + most);
+        saltus_solution_states(o, at, states);
     /* What makes the change is the worst breach and its mirror image: in a run of ever slower impacts the
      * last ones are almost as slow as the one that is born or dies, but only that one does. Where impacts die
      * the births are tried next. */
@@ -133,7 +133,7 @@ void saltus_change_graze(saltus_orbits *o, const saltus_solution *from, const sa
         if (!reason)
             break;
         saltus_sequence_carry(&at->sequence, at->at.tangent, fresh, order, o->n, 1, old);
-        passes = saltus_change_pass(o, fresh, at->parameter, old + most, old, here, next);
+        passes = saltus_change_pass(o, fresh, at->parameter, states, old, here, next);
         if (passes && attempt)
             *beyond = other;
         if (passes || !attempt)
@@ -147,6 +147,7 @@ void saltus_change_graze(saltus_orbits *o, const saltus_solution *from, const sa
     }
     free(picked);
     free(old);
+    free(states);
 }
 
 /* Whether two orbits agree in complete chatter and in the number of sticking intervals. */
@@ -668,10 +669,10 @@ static bool open_after_run(saltus_orbits *o, const saltus_solution *s, saltus_so
         return false;
     const bool last = slowest + 1 == old->count;
     const double next = old->mark[last ? 0 : slowest + 1].time + (last ? old->periods : 0),
-                 middle = 0.5 * (old->mark[slowest].time + next), over = old->base + old->periods;
-    saltus_sequence_turn(old, middle - (middle < over ? 0 : old->periods), 1, &fresh, NULL);
-    return saltus_solution_state_at(o, s, middle - (middle < over ? 0 : old->periods), state, NULL) ==
-               SALTUS_OK &&
+                 middle = 0.5 * (old->mark[slowest].time + next),
+                 base = middle < old->base + old->periods ? middle : middle - old->periods;
+    saltus_sequence_turn(old, base, 1, &fresh, NULL);
+    return saltus_solution_state_at(o, s, base, state, NULL) == SALTUS_OK &&
            saltus_solution_place(o, &fresh, s->parameter, state, false, out, NULL) == SALTUS_OK;
 }
 

@@ -422,10 +422,11 @@ saltus_status saltus_solution_states_at(saltus_orbits *o, const saltus_solution 
     saltus_shooting *shooting = NULL;
     double *u;
     saltus_status status = SALTUS_OK;
-    for (int j = 0; j < cut->cuts && s->sequence.cuts > 1 && status == SALTUS_OK; j++)
-        status = saltus_solution_state_at(o, s, cut->cut[j], states + j * o->n, message);
-    if (s->sequence.cuts > 1)
+    if (s->sequence.cuts > 1) {
+        for (int j = 0; j < cut->cuts && status == SALTUS_OK; j++)
+            status = saltus_solution_state_at(o, s, cut->cut[j], states + j * o->n, message);
         return status;
+    }
     status = saltus_orbits_shoot(o, cut, s->parameter, s->state, &shooting, &u, message);
     if (status == SALTUS_OK)
         memcpy(states, saltus_shooting_states(shooting, u), (size_t)(cut->cuts * o->n) * sizeof *states);

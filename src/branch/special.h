@@ -86,6 +86,8 @@ void saltus_starts_add_ways(saltus_starts *starts, const saltus_branch_start *st
 /* Take out the first start, with its arrays, which `saltus_branch_start_clear` frees. */
 saltus_branch_start saltus_starts_take(saltus_starts *starts);
 void saltus_branch_start_clear(saltus_branch_start *start);
+/* Remove start k. */
+void saltus_starts_remove(saltus_starts *starts, int k);
 /* Remove those that lead away from a joined place; returns their number. */
 int saltus_starts_drop(saltus_starts *starts, int place);
 void saltus_starts_clear(saltus_starts *starts);

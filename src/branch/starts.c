@@ -55,15 +55,19 @@ void saltus_branch_start_clear(saltus_branch_start *start) {
     *start = (saltus_branch_start){.parent = -1};
 }
 
+void saltus_starts_remove(saltus_starts *starts, int k) {
+    saltus_branch_start *start = &starts->start[k];
+    saltus_branch_start_clear(start);
+    starts->count--;
+    memmove(start, start + 1, (size_t)(starts->count - k) * sizeof *start);
+}
+
 int saltus_starts_drop(saltus_starts *starts, int place) {
-    int kept = 0, count = starts->count;
-    for (int k = 0; k < count; k++)
-        if (starts->start[k].place != place)
-            starts->start[kept++] = starts->start[k];
-        else
-            saltus_branch_start_clear(&starts->start[k]);
-    starts->count = kept;
-    return count - kept;
+    const int count = starts->count;
+    for (int k = count - 1; k >= 0; k--)
+        if (starts->start[k].place == place)
+            saltus_starts_remove(starts, k);
+    return count - starts->count;
 }
 
 void saltus_starts_clear(saltus_starts *starts) {
@@ -128,11 +132,12 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     const saltus_sequence *more = grazes && beyond->count > own->count ? beyond : own;
     const saltus_sequence *less = grazes && more == own ? beyond : own;
     const size_t m = (size_t)at->at.unknowns;
-    double *once = calloc(9 * m, sizeof *once), *states = once + m, *work = once + 3 * m;
+    double *once = calloc(9 * m, sizeof *once);
     saltus_branch_start start = *like;
     saltus_status status = SALTUS_OK;
     if (!once)
         return saltus_branch_no_memory(message);
+    double *states = once + m, *work = states + 2 * m;
     saltus_solution_states(o, at, once);
     start.origin = kind;
     start.parameter = at->parameter[0];

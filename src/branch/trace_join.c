@@ -12,17 +12,13 @@
 
 void saltus_trace_drop_starts(saltus_trace *t) {
     const saltus_branch_point *point = saltus_trail_last(t->trail);
-    int kept = 0;
-    for (int k = 0; k < t->starts->count; k++) {
-        saltus_branch_start *start = &t->starts->start[k];
+    for (int k = t->starts->count - 1; k >= 0; k--) {
+        const saltus_branch_start *start = &t->starts->start[k];
         double value = t->orbits.origin + t->orbits.family.unit[0] * start->parameter;
         if (start->place == 0 && start->origin == point->kind && start->sequence.periods == point->periods &&
             fabs(value - point->value[0]) < 1e-7 * t->orbits.family.unit[0])
-            saltus_branch_start_clear(start);
-        else
-            t->starts->start[kept++] = *start;
+            saltus_starts_remove(t->starts, k);
     }
-    t->starts->count = kept;
 }
 
 bool saltus_trace_joins_images(saltus_trace *t, const saltus_solution *at) {
