@@ -40,12 +40,14 @@ saltus_status saltus_sequence_walk(const saltus_sequence *s, saltus_flow *flow, 
 
 bool saltus_sequence_in_tail(const saltus_sequence *s, const double *speed, int count, int face,
                              double next_speed) {
-    enum { prescribed_at_most = 24 };
+    enum { least = 24, most = 3 * SALTUS_MARKS_MAX / 4 };
+    const double slow = 1e-3; /* relative to the first of the run */
     int run = 0;
     while (run < count && s->mark[count - 1 - run].kind == SALTUS_IMPACT &&
            s->mark[count - 1 - run].face == face && (run == 0 || speed[count - 1 - run] > speed[count - run]))
         run++;
-    return run >= prescribed_at_most && s->mark[count - 1].face == face && next_speed < speed[count - 1];
+    return run >= least && s->mark[count - 1].face == face && next_speed < speed[count - 1] &&
+           (speed[count - 1] < slow * speed[count - run] || count >= most);
 }
 
 static void make_marks(const saltus_lap *lap, saltus_sequence *s) {

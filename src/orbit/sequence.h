@@ -25,6 +25,7 @@ saltus_status saltus_sequence_make(saltus_flow *flow, int periods, bool free_per
                                    saltus_lap *lap, saltus_sequence *sequence, saltus_message *message);
 /* Whether another impact belongs to the tail of a long run of ever slower impacts on one face (nearly
  * complete chatter), where impacts appear and vanish with the slightest change: the tail is left to the flow.
+ * It begins where impacts hardly matter: at the birth of a faster one the orbit turns with infinite slope.
  * `speed` belongs to the first `count` marks. */
 bool saltus_sequence_in_tail(const saltus_sequence *sequence, const double *speed, int count, int face,
                              double next_speed);
