@@ -506,6 +506,23 @@ static void curves_begin_where_perturbations_grow(void **unused) {
     check_network(&network, 4, state);
 }
 
+/* Under slow forcing between two wells errors of the flow grow so much around an orbit that the state at its
+ * base does not tell it: the curves of grazing that begin where it flips are found from the states at all
+ * cuts. */
+static void curves_begin_where_the_base_tells_nothing(void **unused) {
+    (void)unused;
+    const network network = {"duffing",
+                             "F=0.44 omega=0.244 d=0.7 c=0.332 r=0.402 sides=both",
+                             SALTUS_POINT_PD,
+                             {"F", "omega"},
+                             {0.4372, 0.2425},
+                             {0.4522, 0.276},
+                             1,
+                             {0.1},
+                             -1};
+    check_network_as(&network, 0, NULL, true);
+}
+
 /* All impacts in several periods lose their speed at once where a free vibration comes back after so many
  * periods of a motion that touches the stop. Near there the flow forgets the orbits, and their equations lead
  * nowhere. */
@@ -808,6 +825,7 @@ int main(void) {
         cmocka_unit_test(impacts_die_at_once_where_vibrations_come_back),
         cmocka_unit_test(doubled_orbits_pass_no_other_grazing),
         cmocka_unit_test(curves_begin_where_perturbations_grow),
+        cmocka_unit_test(curves_begin_where_the_base_tells_nothing),
         cmocka_unit_test(impacts_fade_at_a_resonance),
         cmocka_unit_test(orbits_fade_where_vibrations_turn_round),
         cmocka_unit_test(places_are_as_good_as_stated),

@@ -535,8 +535,8 @@ static void branches_leave_along_null_vectors(void **state) {
         assert_true(start->parent == 3 && start->depth == 2 && start->origin == p->kind);
         assert_int_equal(start->sequence.periods, (1 + flips) * at.sequence.periods);
         assert_int_equal(start->sequence.count, (1 + flips) * at.sequence.count);
-        check_ok(saltus_solution_restore(&f.orbits, &start->sequence, &start->parameter, start->state, &first,
-                                         &message),
+        check_ok(saltus_solution_restore(&f.orbits, &start->sequence, start->parameter, start->state, false,
+                                         &first, &message),
                  &message);
         const saltus_equations *e = f.orbits.equations;
         assert_int_equal(start->unknowns, e->unknowns);
@@ -684,7 +684,7 @@ static void starts_are_kept(void **state) {
     bool starved = false;
     for (int k = 0; k < count; k++) {
         double at[n], tangent[unknowns];
-        saltus_branch_start start = {.parameter = k,
+        saltus_branch_start start = {.parameter = {k},
                                      .state = at,
                                      .tangent = tangent,
                                      .states = n,
@@ -703,7 +703,8 @@ static void starts_are_kept(void **state) {
         saltus_branch_start taken = k < count / 2 ? saltus_starts_take(&starts) : (saltus_branch_start){0};
         const saltus_branch_start *start = k < count / 2 ? &taken : &starts.start[k - count / 2];
         assert_int_equal(starts.begun + starts.count, count);
-        assert_true(start->parameter == k && start->heading == k % 3 - 1 && start->sequence.periods == k + 1);
+        assert_true(start->parameter[0] == k && start->heading == k % 3 - 1 &&
+                    start->sequence.periods == k + 1);
         for (int i = 0; i < n; i++)
             assert_true(start->state[i] == 10 * k + i);
         assert_int_equal(start->unknowns, k % 2 ? unknowns : 0);

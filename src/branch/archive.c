@@ -273,7 +273,8 @@ void saltus_archive_shape(saltus_archive *a, saltus_shooting *shooting) {
 }
 
 void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
-    enum { numbers_min = 12 }; /* per start */
+    enum { numbers_min = 18 }; /* per start */
+    const unsigned kinds = saltus_orbit_loci | 1u << SALTUS_POINT_HB | 1u << SALTUS_POINT_REGULAR;
     if (a->reading)
         saltus_starts_clear(starts);
     starts->begun = (int)saltus_archive_whole(a, starts->begun, 0, INT_MAX / 2);
@@ -281,12 +282,13 @@ void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
     for (int k = 0; k < starts->count; k++) {
         saltus_branch_start *start = &starts->start[k];
         saltus_archive_sequence(a, &start->sequence);
-        saltus_archive_finite(a, &start->parameter, 1);
-        const bool along = saltus_archive_flag(a, start->unknowns > 0);
-        start->states = start->sequence.cuts * a->n;
+        saltus_archive_finite(a, start->parameter, 2);
+        const bool lies = saltus_archive_flag(a, start->states > 0),
+                   along = saltus_archive_flag(a, start->unknowns > 0);
+        start->states = lies ? start->sequence.cuts * a->n : 0;
         start->unknowns = along ? saltus_sequence_unknowns(&start->sequence, a->n) + 1 : 0;
         const size_t numbers = (size_t)(start->states + start->unknowns);
-        double *own = a->reading ? calloc(numbers, sizeof *own) : (double *)start->state;
+        double *own = a->reading ? calloc(numbers + 1, sizeof *own) : (double *)start->state;
         start->state = own;
         start->tangent = own ? own + start->states : NULL;
         if (found(a, own))
@@ -296,5 +298,13 @@ void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
         start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
         start->place = (int)saltus_archive_whole(a, start->place, 0, INT_MAX);
         start->origin = saltus_archive_kind(a, start->origin, ~0u);
+        start->kind = saltus_archive_kind(a, start->kind, kinds);
+        start->mark = (int)saltus_archive_whole(a, start->mark, 0, SALTUS_MARKS_MAX - 1);
+        saltus_archive_finite(a, &start->theta, 1);
+        start->one_way = saltus_archive_flag(a, start->one_way);
+        start->leaves = saltus_archive_flag(a, start->leaves);
+        start->done = saltus_archive_flag(a, start->done);
+        a->sound = a->sound && (lies || start->done) &&
+                   (start->kind != SALTUS_POINT_GR || start->mark < start->sequence.count);
     }
 }

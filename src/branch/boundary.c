@@ -227,7 +227,7 @@ saltus_status saltus_boundary_cycle(saltus_orbits *o, const saltus_branch_start 
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
         state[i] = start->state[i] + apart * start->tangent[i] * saltus_shooting_scale(o->shooting)[i];
     if (status == SALTUS_OK)
-        status = place_across(o, &sequence, start->parameter + apart, state, out, message);
+        status = place_across(o, &sequence, start->parameter[0] + apart, state, out, message);
     if (status == SALTUS_OK && !(saltus_solution_walk(o, out) && out->worst.value < 0 && out->survey.follows))
         status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "the flow follows no such orbit");
     if (status == SALTUS_OK)

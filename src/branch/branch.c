@@ -29,7 +29,7 @@ struct saltus_branch {
     saltus_starts starts; /* of branches of orbits */
     saltus_trace trace;
     saltus_equilibria equilibria; /* opened only where a run begins with them */
-    saltus_locus_starts loci;     /* of curves of special equilibria and orbits */
+    saltus_starts loci;           /* of curves of special equilibria and orbits */
     saltus_rest_locus rest_locus; /* opened only in its phase */
     saltus_locus locus;           /* likewise */
     saltus_branch_point given;
@@ -72,7 +72,7 @@ saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const doub
     b->trail.options = &b->options;
     b->trace.trail = b->equilibria.trail = b->rest_locus.trail = b->locus.trail = &b->trail;
     b->trace.starts = b->equilibria.cycles = &b->starts;
-    b->rest_locus.starts = b->locus.starts = &b->loci;
+    b->rest_locus.starts = b->locus.starts = b->trace.found = b->equilibria.found = &b->loci;
     saltus_status status = open_run(b, spec, periods, state, message);
     if (status == SALTUS_OK)
         *branch = b;
@@ -89,14 +89,14 @@ void saltus_branch_free(saltus_branch *b) {
     saltus_branch_point_clear(&b->given);
     saltus_trace_close(&b->trace);
     saltus_equilibria_close(&b->equilibria);
-    saltus_locus_starts_clear(&b->loci);
+    saltus_starts_clear(&b->loci);
     saltus_rest_locus_close(&b->rest_locus);
     saltus_locus_close(&b->locus);
     free(b);
 }
 
 /* Open the curves of special points of the present phase, with one through `first`; NULL: with none yet. */
-static saltus_status open_loci(saltus_branch *b, const saltus_locus_start *first, saltus_message *message) {
+static saltus_status open_loci(saltus_branch *b, const saltus_branch_start *first, saltus_message *message) {
     const saltus_spec *spec = &b->trace.orbits.family.spec;
     return b->phase == RUN_REST_LOCUS ? saltus_rest_locus_open(&b->rest_locus, spec, first, message)
                                       : saltus_locus_open(&b->locus, spec, first, message);
@@ -107,18 +107,20 @@ static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
     const saltus_branch_options *options = &b->options;
     const saltus_point_kind kind = options->locus;
     const saltus_orbits *o = &b->trace.orbits;
-    const bool of_rests = !b->trace.found.kind || kind == SALTUS_POINT_HB;
-    const saltus_locus_start *first = b->trace.found.kind ? &b->trace.found : &b->equilibria.found;
+    const bool of_rests = b->phase == RUN_RESTS || kind == SALTUS_POINT_HB;
     saltus_message why = {.text = ""};
-    if (!first->kind)
+    if (b->loci.count == 0)
         return SALTUS_OK;
+    saltus_branch_start first = saltus_starts_take(&b->loci);
+    b->loci.begun = 0;
     b->phase = of_rests ? RUN_REST_LOCUS : RUN_LOCUS;
-    saltus_status status = open_loci(b, first, &why);
-    return status == SALTUS_OK
-               ? status
-               : saltus_fail(message, status, "no curve of %s points can be begun at %s = %.12g: %.200s",
-                             saltus_point_word(kind), options->key[0],
-                             o->origin + o->family.unit[0] * first->parameter[0], why.text);
+    saltus_status status = open_loci(b, &first, &why);
+    if (status != SALTUS_OK)
+        saltus_fail(message, status, "no curve of %s points can be begun at %s = %.12g: %.200s",
+                    saltus_point_word(kind), options->key[0],
+                    o->origin + o->family.unit[0] * first.parameter[0], why.text);
+    saltus_branch_start_clear(&first);
+    return status;
 }
 
 /* One step along the curves of special equilibria or orbits of the present phase; where none of them is left,
@@ -128,7 +130,7 @@ static saltus_status advance_loci(saltus_branch *b, bool *more, saltus_message *
         const bool of_rests = b->phase == RUN_REST_LOCUS;
         saltus_status status = of_rests ? saltus_rest_locus_step(&b->rest_locus, more, message)
                                         : saltus_locus_step(&b->locus, more, message);
-        if (status != SALTUS_OK || *more || !saltus_locus_starts_wait(&b->loci, !of_rests))
+        if (status != SALTUS_OK || *more || !saltus_locus_starts_next(&b->loci, !of_rests))
             return status;
         saltus_rest_locus_close(&b->rest_locus);
         saltus_locus_close(&b->locus);
@@ -200,7 +202,7 @@ static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     int parameters;
     saltus_model_parameters(spec->model, &parameters);
     /* The first number is the version of what follows. */
-    const double own[] = {14,        a->n,         a->faces,    o->low[0],     o->high[0],
+    const double own[] = {15,        a->n,         a->faces,    o->low[0],     o->high[0],
                           o->locus,  o->low[1],    o->high[1],  o->step,       o->step_max,
                           o->points, o->direction, o->switches, o->value_count};
     const double *numbers[] = {own, spec->parameters, o->values};
@@ -234,7 +236,7 @@ static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_mes
     b->phase = (run_phase)saltus_archive_whole(a, b->phase, RUN_RESTS, RUN_LOCUS);
     saltus_status status = SALTUS_OK;
     if (b->phase > RUN_ORBITS)
-        saltus_locus_starts_archive(a, &b->loci);
+        saltus_archive_starts(a, &b->loci);
     if (b->phase > RUN_ORBITS && a->reading)
         status = open_loci(b, NULL, message);
     if (b->phase == RUN_RESTS && !b->equilibria.here)

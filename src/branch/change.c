@@ -53,7 +53,7 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
                         const double *states, const double *old, saltus_solution *here,
                         saltus_solution *next) {
     static const double ahead[] = {1e-4, 1e-3, 1e-5, 1e-2};
-    if (saltus_solution_restore(o, beyond, parameters, states, here, NULL) != SALTUS_OK)
+    if (saltus_solution_restore(o, beyond, parameters, states, false, here, NULL) != SALTUS_OK)
         return false;
     if (old)
         saltus_curve_align(&here->at, old);
@@ -82,7 +82,7 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *
         if (at->breaches[k].kind == SALTUS_BREACH_SPEED && fabs(at->breaches[k].value) < slow)
             gone[at->breaches[k].mark] = true;
     saltus_sequence_without(&at->sequence, gone, &less, NULL);
-    saltus_status status = saltus_orbits_evaluate(o, &less, at->parameter, at->state, 1, &shooting, NULL);
+    saltus_status status = saltus_orbits_evaluate(o, at, &less, &shooting, NULL);
     const int count = status == SALTUS_OK ? saltus_corner_multipliers(o, shooting, re, im) : 0;
     for (int k = 0; k < count; k++) {
         ones += hypot(re[k] - 1, im[k]) < close;
@@ -110,15 +110,14 @@ void saltus_change_graze(saltus_orbits *o, const saltus_solution *from, const sa
     int order[SALTUS_MARKS_MAX];
     saltus_breach *picked = calloc((size_t)at->breach_count + 1, sizeof *picked);
     double *old = calloc((size_t)(at->at.unknowns + at->breach_count) + 1, sizeof *old);
-    double *states = calloc((size_t)(at->sequence.cuts * o->n), sizeof *states);
+    double *states;
     saltus_sequence other;
     bool passes = false;
     *change = (saltus_change){.kind = SALTUS_POINT_EP};
     *beyond = at->sequence;
-    const bool room = picked && old && states;
+    const saltus_status status = saltus_solution_states_at(o, at, &at->sequence, &states, NULL);
+    const bool room = picked && old && status == SALTUS_OK;
     o->starved |= !room;
-    if (room)
-        saltus_solution_states(o, at, states);
     /* What makes the change is the worst breach and its mirror image: in a run of ever slower impacts the
      * last ones are almost as slow as the one that is born or dies, but only that one does. Where impacts die
      * the births are tried next. */

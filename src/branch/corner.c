@@ -295,22 +295,6 @@ saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_sol
     return less;
 }
 
-/* Evaluate an orbit without the grazing impact by a separate shooting, which the caller frees in any case.
- * The states at all cuts stay: along long orbits perturbations grow too much for one segment. */
-static saltus_status evaluate_without(const saltus_extended *x, const saltus_solution *s,
-                                      saltus_shooting **shooting, saltus_message *message) {
-    int order[SALTUS_MARKS_MAX];
-    const saltus_sequence less = saltus_corner_without(x, s, order);
-    saltus_status status = saltus_shooting_new(&x->orbits.family, &x->orbits.options, shooting, message);
-    if (status == SALTUS_OK)
-        status = saltus_shooting_shape(*shooting, &less, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_equations *e = saltus_shooting_equations(*shooting);
-    saltus_sequence_carry(&s->sequence, s->at.u, &less, order, x->orbits.n, 2, e->trial);
-    return saltus_equations_evaluate(e, e->trial, message);
-}
-
 /* Of an orbit that is its own mirror image, cut in halves, the equations fall apart: into those of changes
  * that keep it so, which are singular at a fold, and of those that do not, singular at a branch point. */
 static void measure_halves(saltus_orbits *o, saltus_shooting *shooting, saltus_locus_test tests[2]) {
@@ -346,15 +330,12 @@ static void measure_mirrored(saltus_extended *x, const saltus_solution *s, bool 
     int order[SALTUS_MARKS_MAX];
     saltus_sequence halves;
     saltus_shooting *shooting = NULL;
-    double state[SALTUS_STATE_MAX];
     saltus_sequence_turn(&old, saltus_sequence_amid_halves(&old), 1, &halves, order);
     halves.cuts = 2;
     halves.cut[1] = halves.base + 0.5 * halves.periods;
     if (halves.count > 0 && !(saltus_sequence_repeats(&halves, 2, true) < together))
         return;
-    saltus_status status = saltus_solution_state_at(o, s, halves.base, state, NULL);
-    if (status == SALTUS_OK)
-        status = saltus_orbits_evaluate(o, &halves, s->parameter, state, 1, &shooting, NULL);
+    const saltus_status status = saltus_orbits_evaluate(o, s, &halves, &shooting, NULL);
     for (int k = 0; k < s->breach_count && status == SALTUS_OK && !without; k++)
         for (int j = 0; j < halves.count; j++)
             if (s->breaches[k].kind == SALTUS_BREACH_SPEED && order[j] == s->breaches[k].mark &&
@@ -372,7 +353,6 @@ static void measure_grazing(saltus_extended *x, const saltus_solution *s, saltus
                                                       SALTUS_POINT_GR_NS};
     saltus_locus_test tests[2][of_orbit];
     saltus_shooting *shooting = NULL;
-    saltus_message ignored;
     for (int without = 0; without < 2; without++)
         for (int k = 0; k < of_orbit; k++)
             tests[without][k] = (saltus_locus_test){
@@ -380,7 +360,8 @@ static void measure_grazing(saltus_extended *x, const saltus_solution *s, saltus
     for (int k = 0; k < s->breach_count; k++)
         if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
             saltus_corner_still(&x->orbits, x->orbits.shooting, s->breaches[k].mark);
-    const saltus_status status = evaluate_without(x, s, &shooting, &ignored);
+    const saltus_sequence less = saltus_corner_without(x, s, NULL);
+    const saltus_status status = saltus_orbits_evaluate(&x->orbits, s, &less, &shooting, NULL);
     if (saltus_orbits_noted(&x->orbits, status) == SALTUS_OK)
         measure_orbit(&x->orbits, shooting, tests[1]);
     measure_orbit(&x->orbits, x->orbits.shooting, tests[0]);
@@ -459,8 +440,7 @@ static bool is_branch_point(saltus_extended *x, const saltus_solution *s, bool w
     saltus_sequence sequence = without ? saltus_corner_without(x, s, NULL) : s->sequence;
     saltus_shooting *shooting = NULL;
     double value, *a = NULL;
-    saltus_status status =
-        saltus_orbits_evaluate(&x->orbits, &sequence, s->parameter, s->state, 1, &shooting, NULL);
+    saltus_status status = saltus_orbits_evaluate(&x->orbits, s, &sequence, &shooting, NULL);
     bool branches = status == SALTUS_OK;
     if (status == SALTUS_OK) {
         const saltus_equations *e = saltus_shooting_equations(shooting);

@@ -227,7 +227,7 @@ static saltus_branch_start leaving(const saltus_equilibria *e, const saltus_rest
     saltus_branch_start start = saltus_trail_leaving(e->trail);
     start.origin = origin;
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .contacts = at->contacts};
-    start.parameter = at->parameter[0];
+    start.parameter[0] = at->parameter[0];
     start.state = at->state;
     start.states = e->rests.n;
     return start;
@@ -252,13 +252,15 @@ static void leave(saltus_equilibria *e, const saltus_rest *at) {
 /* The requested locus begins at `at`; no more of this branch is needed. A `face` (-1: none) that is only
  * touched does not hold. */
 static void find(saltus_equilibria *e, const saltus_rest *at, int face, double omega) {
-    e->found = (saltus_locus_start){
+    const saltus_branch_start start = {
         .kind = e->trail->options->locus,
         .sequence = {.contacts = face < 0 ? at->contacts : at->contacts & ~(1u << face), .omega = omega},
         .parameter = {at->parameter[0]},
+        .state = at->state,
+        .states = e->rests.n,
         .mark = face,
         .parent = -1};
-    memcpy(e->found.state, at->state, sizeof e->found.state);
+    saltus_starts_add(e->found, &start, &e->rests.starved);
     e->trail->following = false;
 }
 
@@ -539,7 +541,7 @@ saltus_status saltus_equilibria_start(saltus_equilibria *e, const saltus_branch_
     saltus_trail_begin(trail, e->cycles->begun++, start->parent, start->depth, start->unknowns > 0);
     const bool crosses = start->unknowns > 0;
     saltus_status status =
-        saltus_rest_place(&e->rests, start->sequence.contacts, start->state, &start->parameter, !crosses,
+        saltus_rest_place(&e->rests, start->sequence.contacts, start->state, start->parameter, !crosses,
                           crosses ? start->tangent : NULL, here, &why);
     if (status != SALTUS_OK) {
         trail->following = false;

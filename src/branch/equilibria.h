@@ -17,12 +17,12 @@ typedef struct saltus_equilibria {
     double range[2]; /* of the parameter unknown */
     saltus_rest *here, *next, *trial, *spare;
     saltus_rest solutions[4];
-    saltus_locus_start found; /* where the requested locus begins; REGULAR: not found */
+    saltus_starts *found; /* the caller's: receives where the requested locus begins */
 } saltus_equilibria;
 
 /* Branches through the equilibrium near a state (length dimension; NULL: none, if saltus_equilibria_archive
- * is to read them). `trail` and `cycles`, whose `begun` counts the branches of equilibria as they begin, must
- * be set. Close in any case. Errors: SALTUS_BAD_INPUT, SALTUS_SINGULAR, SALTUS_NO_CONVERGENCE,
+ * is to read them). `trail`, `found` and `cycles`, whose `begun` counts the branches of equilibria as they
+ * begin, must be set. Close in any case. Errors: SALTUS_BAD_INPUT, SALTUS_SINGULAR, SALTUS_NO_CONVERGENCE,
  * SALTUS_NO_MEMORY. */
 saltus_status saltus_equilibria_open(saltus_equilibria *equilibria, const saltus_spec *spec,
                                      const double *state, saltus_message *message);
@@ -46,11 +46,11 @@ bool saltus_rest_give(saltus_rests *rests, const saltus_rest *rest, saltus_notic
 /* In rest_locus.c: curves of Hopf points, boundary equilibria and folds of equilibria in the plane of two
  * parameters. */
 typedef struct saltus_rest_locus {
-    saltus_trail *trail;         /* the caller's: receives the points */
-    saltus_locus_starts *starts; /* the caller's: receives places at which other curves begin, at generalised
+    saltus_trail *trail;   /* the caller's: receives the points */
+    saltus_starts *starts; /* the caller's: receives places at which other curves begin, at generalised
                                     Hopf points of cycles that fold */
-    bool switched;               /* the curve under way begins at such a place */
-    saltus_rests rests;          /* what makes the equilibria special is renewed from point to point */
+    bool switched;         /* the curve under way begins at such a place */
+    saltus_rests rests;    /* what makes the equilibria special is renewed from point to point */
     saltus_rest here, next, trial;
     double beginning[2 * SALTUS_REST_UNKNOWNS_MAX]; /* unknowns and tangent of the first point */
     double first_square;
@@ -63,7 +63,7 @@ typedef struct saltus_rest_locus {
  * one of the starts, or if saltus_rest_locus_archive is to read it. `trail` and `starts` must be set. Close
  * in any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT, SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_rest_locus_open(saltus_rest_locus *locus, const saltus_spec *spec,
-                                     const saltus_locus_start *first, saltus_message *message);
+                                     const saltus_branch_start *first, saltus_message *message);
 /* It can be opened again, with the same trail and starts. */
 void saltus_rest_locus_close(saltus_rest_locus *locus);
 /* One step, which may give out points; *more is false when all is done. Errors: SALTUS_NO_MEMORY. */

@@ -168,8 +168,7 @@ bool saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltu
         return false;
     flat f = {.marks = few.count, .first = x->orbits.n};
     double *start, doubt;
-    const saltus_status status =
-        saltus_orbits_shoot(&x->orbits, &few, s->parameter, s->state, &f.shooting, &start, NULL);
+    const saltus_status status = saltus_orbits_shoot(&x->orbits, s, &few, &f.shooting, &start, NULL);
     bool found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK && open_flat(&x->orbits, &f);
     if (found) {
         const int m = f.e->unknowns;

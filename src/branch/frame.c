@@ -27,11 +27,11 @@ static bool better_section(saltus_orbits *o, const saltus_solution *s, bool leav
 /* The same orbit with the cuts of another sequence, whose base has this state. */
 static saltus_status place_by_cuts(saltus_orbits *o, const saltus_solution *s, const saltus_sequence *fresh,
                                    const double *state, saltus_solution *out) {
-    double *states = calloc((size_t)(fresh->cuts * o->n), sizeof *states);
-    saltus_status status = states ? saltus_solution_states_at(o, s, fresh, states, NULL) : SALTUS_NO_MEMORY;
+    double *states;
+    saltus_status status = saltus_solution_states_at(o, s, fresh, &states, NULL);
     if (status == SALTUS_OK) {
         memcpy(states, state, (size_t)o->n * sizeof *states);
-        status = saltus_solution_restore(o, fresh, s->parameter, states, out, NULL);
+        status = saltus_solution_restore(o, fresh, s->parameter, states, false, out, NULL);
     }
     free(states);
     return status;

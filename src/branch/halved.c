@@ -27,29 +27,38 @@ typedef struct shorter {
     bool without; /* GR-PD: it is the orbit without the grazing impact that flips */
 } shorter;
 
-/* Evaluate the orbit at s->at without its grazing impact by a separate shooting, which the caller frees. */
-static saltus_status evaluate_without(const shorter *s, saltus_shooting **shooting) {
-    const saltus_orbits *o = &s->x.orbits;
-    bool gone[SALTUS_MARKS_MAX] = {false};
-    saltus_sequence sequence, less;
-    double state[SALTUS_STATE_MAX];
-    saltus_shooting_extract(o->shooting, s->at.u, &sequence, state);
-    gone[s->x.mark] = true;
-    saltus_sequence_without(&sequence, gone, &less, NULL);
-    return saltus_orbits_evaluate(o, &less, s->at.u + o->equations->count, state, 1, shooting, NULL);
-}
-
-/* How near another impact is to grazing, too, at the orbit at s->at. */
-static saltus_status see_breach(shorter *s, double *breach) {
+/* s->on.orbit becomes the one with these unknowns. */
+static saltus_status see_orbit(shorter *s, const double *u) {
     saltus_solution *orbit = &s->on.orbit;
     saltus_equations *e = s->x.orbits.equations;
     if (!saltus_curve_reserve(&orbit->at, e->unknowns))
         return SALTUS_NO_MEMORY;
-    memcpy(orbit->at.u, s->at.u, (size_t)e->unknowns * sizeof *s->at.u);
+    memcpy(orbit->at.u, u, (size_t)e->unknowns * sizeof *u);
     saltus_status status = saltus_equations_evaluate(e, orbit->at.u, NULL);
-    if (status == SALTUS_OK)
-        status = saltus_solution_see(&s->x.orbits, orbit, NULL);
-    *breach = saltus_corner_breach(&s->x, orbit);
+    return status == SALTUS_OK ? saltus_solution_see(&s->x.orbits, orbit, NULL) : status;
+}
+
+/* Evaluate the orbit at s->at without its grazing impact by a separate shooting, which the caller frees. */
+static saltus_status evaluate_without(shorter *s, saltus_shooting **shooting) {
+    const saltus_status status = see_orbit(s, s->at.u);
+    const saltus_sequence less = saltus_corner_without(&s->x, &s->on.orbit, NULL);
+    return status == SALTUS_OK ? saltus_orbits_evaluate(&s->x.orbits, &s->on.orbit, &less, shooting, NULL)
+                               : status;
+}
+
+/* The function of that kind on the curve of grazing, at the orbit at s->at; the breach is that of another
+ * impact that grazes, too. */
+static saltus_status measure_grazing(shorter *s, double *value) {
+    saltus_locus_test corners[SALTUS_CORNERS_MAX];
+    const saltus_status status = see_orbit(s, s->at.u);
+    *value = NAN;
+    const int count = status == SALTUS_OK ? saltus_corner_measure(&s->x, &s->at, &s->on.orbit, corners) : 0;
+    for (int k = 0; k < count; k++)
+        if (corners[k].kind == s->kind && corners[k].without == s->without) {
+            const saltus_scaled own = corners[k].value;
+            s->exponent = isnan(s->exponent) && own.mantissa != 0 ? own.exponent : s->exponent;
+            *value = saltus_scaled_in(own, s->exponent);
+        }
     return status;
 }
 
@@ -59,31 +68,23 @@ static saltus_status see_breach(shorter *s, double *breach) {
 static bool test_at(void *context, double ahead, double *value) {
     shorter *s = context;
     const double on = 1e-6;
-    const bool flips = s->kind == SALTUS_POINT_GR_PD, grazes = s->kind == SALTUS_POINT_GR_LP || flips;
-    const bool pair = s->kind == SALTUS_POINT_PD_NS, touches = s->kind == SALTUS_POINT_GR_GR,
+    const bool pair = s->kind == SALTUS_POINT_PD_NS, grazes = s->x.kind == SALTUS_POINT_GR,
                comes_back = s->kind == SALTUS_POINT_R4,
                multipliers = pair || comes_back || s->kind == SALTUS_POINT_LP_PD;
     saltus_orbits *o = &s->x.orbits;
     saltus_shooting *without = NULL;
     double rounding, re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
     saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, NULL);
-    if (status == SALTUS_OK && touches)
-        status = see_breach(s, value);
-    else if (status == SALTUS_OK && !grazes && !comes_back)
+    if (status == SALTUS_OK && grazes && !comes_back)
+        status = measure_grazing(s, value);
+    else if (status == SALTUS_OK && !comes_back)
         *value = saltus_extended_double(&s->x, &rounding);
     if (status == SALTUS_OK && (s->kind == SALTUS_POINT_GPD || s->kind == SALTUS_POINT_CP))
         status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value);
-    if (status == SALTUS_OK && (comes_back || s->without))
+    if (status == SALTUS_OK && comes_back)
         status = evaluate_without(s, &without);
-    else if (status == SALTUS_OK && (multipliers || grazes))
+    else if (status == SALTUS_OK && multipliers)
         status = saltus_equations_evaluate(o->equations, s->at.u, NULL);
-    if (status == SALTUS_OK && grazes && !s->without)
-        saltus_corner_still(o, o->shooting, s->x.mark);
-    if (status == SALTUS_OK && grazes) {
-        const saltus_scaled closing = saltus_corner_closing(o, without ? without : o->shooting, flips);
-        s->exponent = isnan(s->exponent) ? closing.exponent : s->exponent;
-        *value = saltus_scaled_in(closing, s->exponent);
-    }
     int count = 0;
     if (status == SALTUS_OK && multipliers) {
         count = saltus_corner_multipliers(o, without ? without : o->shooting, re, im);
@@ -149,15 +150,15 @@ static bool find_change(shorter *s, double *doubt) {
  * of flips (PD), of branch points (BP), of grazing of a mark (GR), or that of angle pi/2 on the curve of tori
  * (NS). The caller closes `s` in any case. */
 static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_locus_point *at,
-                         const saltus_sequence *sequence, saltus_point_kind locus, int mark) {
+                         const saltus_sequence *sequence, saltus_point_kind locus, int mark, bool mirrored) {
     const double sharp = 1e-12, far = 1e-4;
-    const bool turns = locus == SALTUS_POINT_NS, mirrored = locus == SALTUS_POINT_BP;
+    const bool turns = locus == SALTUS_POINT_NS;
     *s = (shorter){.exponent = NAN,
                    .x = {.kind = locus,
                          .orbits = whole->orbits,
                          .mark = mark,
                          .mirrored = mirrored,
-                         .extra = turns || mirrored,
+                         .extra = turns || locus == SALTUS_POINT_BP,
                          .copies = 1 + turns,
                          .sharp = true,
                          .equations = {.self = &s->x,
@@ -167,7 +168,7 @@ static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_
     saltus_orbits *o = &s->x.orbits;
     o->shooting = NULL;
     saltus_status status =
-        saltus_orbits_shoot(o, sequence, at->orbit.parameter, at->orbit.state, &o->shooting, &s->u, NULL);
+        saltus_orbits_shoot(&whole->orbits, &at->orbit, sequence, &o->shooting, &s->u, NULL);
     o->equations = status == SALTUS_OK ? saltus_shooting_equations(o->shooting) : NULL;
     if (saltus_orbits_noted(o, status) != SALTUS_OK)
         return false;
@@ -224,19 +225,20 @@ static int find_mark(const saltus_sequence *once, saltus_mark *mark) {
 
 /* `at` becomes the shorter orbit with these unknowns, traversed as often as its own sequence tells, which has
  * all its marks or, where some have no speed, only some of them. False if that cannot be. */
-static bool go_through(saltus_extended *x, const shorter *s, const double *unknowns, saltus_locus_point *at) {
-    saltus_sequence once, whole = at->orbit.sequence;
+static bool go_through(saltus_extended *x, shorter *s, const double *unknowns, saltus_locus_point *at) {
+    saltus_sequence whole = at->orbit.sequence;
+    const saltus_sequence *once = &s->on.orbit.sequence;
     saltus_shooting *shooting = NULL;
-    double state[SALTUS_STATE_MAX], *u;
-    saltus_shooting_extract(s->x.orbits.shooting, unknowns, &once, state);
-    const bool all = whole.count == once.count * (whole.periods / once.periods);
+    double *u;
+    saltus_status status = see_orbit(s, unknowns);
+    const bool all = whole.count == once->count * (whole.periods / once->periods);
     for (int k = 0; k < whole.count; k++)
         if (all)
-            whole.mark[k].time = once.mark[k % once.count].time + k / once.count * once.periods;
-        else if (find_mark(&once, &whole.mark[k]) < 0)
+            whole.mark[k].time = once->mark[k % once->count].time + k / once->count * once->periods;
+        else if (find_mark(once, &whole.mark[k]) < 0)
             return false;
-    saltus_status status = saltus_orbits_shoot(&x->orbits, &whole, unknowns + s->x.orbits.equations->count,
-                                               state, &shooting, &u, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_orbits_shoot(&x->orbits, &s->on.orbit, &whole, &shooting, &u, NULL);
     const bool found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK;
     if (found)
         memcpy(at->at.u, u, (size_t)x->orbits.equations->unknowns * sizeof *u);
@@ -317,7 +319,8 @@ bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, 
                                        SALTUS_POINT_GR_PD};
     bool found = false;
     for (int k = 0; k < (kind == SALTUS_POINT_R4 ? 1 : 3) && mark >= 0 && !found; k++) {
-        const bool opened = open_shorter(&s, x, at, &once, SALTUS_POINT_GR, mark);
+        saltus_solution_cuts(&at->orbit, &once);
+        const bool opened = open_shorter(&s, x, at, &once, SALTUS_POINT_GR, mark, false);
         s.kind = kinds[k];
         s.parts = parts;
         s.without = s.kind == SALTUS_POINT_GR_PD && whole->count < parts * once.count;
@@ -329,8 +332,8 @@ bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, 
 bool saltus_halved_double(saltus_extended *x, saltus_point_kind kind, saltus_locus_point *at) {
     const saltus_sequence whole = at->orbit.sequence;
     shorter s;
-    const bool opened =
-        open_shorter(&s, x, at, &whole, kind == SALTUS_POINT_R2 ? SALTUS_POINT_PD : SALTUS_POINT_LP, 0);
+    const bool opened = open_shorter(&s, x, at, &whole,
+                                     kind == SALTUS_POINT_R2 ? SALTUS_POINT_PD : SALTUS_POINT_LP, 0, false);
     s.kind = kind;
     return finish(x, &s, opened, INFINITY, at);
 }
@@ -373,7 +376,9 @@ saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_l
     const bool turns = locus == SALTUS_POINT_NS;
     double doubt = NAN;
     shorter s;
-    if (open_shorter(&s, x, at, &half, locus, 0)) {
+    if (!mirrored)
+        saltus_solution_cuts(&at->orbit, &half);
+    if (open_shorter(&s, x, at, &half, locus, 0, mirrored)) {
         kind = s.kind = turns ? SALTUS_POINT_R4 : mirrored ? SALTUS_POINT_CP : name_flip(&s, x->kind);
         const bool by_change = kind == SALTUS_POINT_GPD || kind == SALTUS_POINT_CP;
         const bool found = kind && !turns && (by_change ? find_change : find_zero)(&s, &doubt);

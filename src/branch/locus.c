@@ -13,6 +13,7 @@
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Steps are limited in the plane of the parameters; the tangent's part in it counts as at least this. */
@@ -67,7 +68,7 @@ static void become(saltus_locus *l, saltus_point_kind kind, bool mirrored) {
 
 /* At a generalised Hopf point: `here` becomes a small cycle near it that folds, with the way on which cycles
  * grow. The unknown that is farthest from the equilibrium stays as it is. */
-static saltus_status find_small(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
+static saltus_status find_small(saltus_locus *l, const saltus_branch_start *start, saltus_message *message) {
     static const double apart[] = {0.1, 0.03, 0.3, 0.01};
     saltus_orbits *o = &l->x.orbits;
     int farthest = 0;
@@ -89,34 +90,39 @@ static saltus_status find_small(saltus_locus *l, const saltus_locus_start *start
     return status;
 }
 
+/* `here` becomes the orbit `at`, or part of it, with another sequence. */
+static saltus_status change_to(saltus_locus *l, const saltus_sequence *sequence, const saltus_solution *at,
+                               saltus_message *message) {
+    double *states;
+    saltus_status status = saltus_solution_states_at(&l->x.orbits, at, sequence, &states, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_restore(&l->x.orbits, sequence, at->parameter, states, false, &l->here.orbit,
+                                         message);
+    free(states);
+    return saltus_orbits_noted(&l->x.orbits, status);
+}
+
 /* Cut the orbit at `here`, that of a start, halfway, where no event is near. */
-static saltus_status cut_halfway(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
+static saltus_status cut_halfway(saltus_locus *l, saltus_message *message) {
     const saltus_sequence old = l->here.orbit.sequence;
-    const double base = saltus_sequence_amid_halves(&old);
     saltus_sequence fresh;
     int order[SALTUS_MARKS_MAX];
-    double state[SALTUS_STATE_MAX];
-    saltus_status status = saltus_solution_state_at(&l->x.orbits, &l->here.orbit, base, state, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_sequence_turn(&old, base, 1, &fresh, order);
+    saltus_sequence_turn(&old, saltus_sequence_amid_halves(&old), 1, &fresh, order);
     fresh.cuts = 2;
     fresh.cut[1] = fresh.base + 0.5 * fresh.periods;
     const int mark = l->x.mark;
     for (int k = 0; k < fresh.count; k++)
         l->x.mark = order[k] == mark ? k : l->x.mark;
-    return saltus_solution_place(&l->x.orbits, &fresh, start->parameter, state, false, &l->here.orbit,
-                                 message);
+    return change_to(l, &fresh, &l->here.orbit, message);
 }
 
 /* `here` becomes the orbit of a start, as one of its curve. */
-static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
+static saltus_status find_start(saltus_locus *l, const saltus_branch_start *start, saltus_message *message) {
     const double alike = 1e-6;
     saltus_orbits *o = &l->x.orbits;
-    saltus_sequence sequence = start->sequence;
     const bool breaks = start->kind == SALTUS_POINT_BP;
-    saltus_status status =
-        saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->here.orbit, message);
+    saltus_status status = saltus_solution_restore(o, &start->sequence, start->parameter, start->state, false,
+                                                   &l->here.orbit, message);
     const bool may_mirror = breaks || start->kind == SALTUS_POINT_GR || o->system->mirror;
     if (status == SALTUS_OK && !start->leaves && may_mirror &&
         saltus_solution_part_distance(o, &l->here.orbit, 1, NULL) < (breaks ? 1e-3 : alike))
@@ -124,22 +130,21 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
     int parts;
     if (status == SALTUS_OK && start->kind == SALTUS_POINT_GR && !start->leaves &&
         saltus_locus_apart(&l->x, &l->here.orbit, &parts) < alike && parts > 1) {
-        const saltus_mark *own = &sequence.mark[l->x.mark];
+        const saltus_mark *own = &start->sequence.mark[l->x.mark];
         const saltus_breach touch = {.face = own->face, .time = own->time};
         saltus_sequence shorter;
         const int mark = saltus_locus_starts_grazing(o, &l->here.orbit, &touch, &shorter);
         if (mark >= 0) {
             l->x.mark = mark;
-            sequence = shorter;
-            status = saltus_solution_place(o, &sequence, start->parameter, start->state, false,
-                                           &l->here.orbit, message);
+            saltus_solution_cuts(&l->here.orbit, &shorter);
+            status = change_to(l, &shorter, &l->here.orbit, message);
         }
     }
     const bool crossing = start->leaves || (begins_crossing(l) && l->x.mirrored);
     /* There null vectors that keep the orbits their own mirror images are orthogonal to the others. */
     const bool halves = l->x.mirrored && (breaks || (start->kind == SALTUS_POINT_LP && o->system->mirror));
     if (status == SALTUS_OK && (halves || crossing))
-        status = cut_halfway(l, start, message);
+        status = cut_halfway(l, message);
     /* Into more and more segments, as long as there are more. */
     for (bool finer = true; status == SALTUS_OK && finer && saltus_locus_grows(&l->x, &l->here.orbit);) {
         const double base = l->here.orbit.sequence.base;
@@ -169,7 +174,7 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
 }
 
 /* A curve's first point, at a start. */
-static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
+static saltus_status open_start(saltus_locus *l, const saltus_branch_start *start, saltus_message *message) {
     const double rest = 1e-9, zero[SALTUS_STATE_MAX] = {0};
     const saltus_orbits *o = &l->x.orbits;
     /* Small cycles around a rest that is its own mirror image are theirs, too. */
@@ -194,7 +199,7 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
     return SALTUS_OK;
 }
 
-saltus_status saltus_locus_open(saltus_locus *l, const saltus_spec *spec, const saltus_locus_start *first,
+saltus_status saltus_locus_open(saltus_locus *l, const saltus_spec *spec, const saltus_branch_start *first,
                                 saltus_message *message) {
     const saltus_branch_options *options = l->trail->options;
     saltus_orbits *o = &l->x.orbits;
@@ -396,8 +401,7 @@ static bool pass_grazing(saltus_locus *l, bool *closes) {
     saltus_breach touch = *other;
     touch.value = 0;
     saltus_sequence_graze(&old, &touch, 1, &fresh, order);
-    if (saltus_solution_place(&l->x.orbits, &fresh, l->trial.orbit.parameter, l->trial.orbit.state, false,
-                              &l->here.orbit, NULL) != SALTUS_OK ||
+    if (change_to(l, &fresh, &l->trial.orbit, NULL) != SALTUS_OK ||
         !saltus_locus_install(&l->x, &l->here, &old, l->trial.at.tangent, 0, order))
         return false;
     if (l->trail->options->switches)
@@ -452,7 +456,7 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
 }
 
 /* Begin another curve where it meets one that was followed. If that fails, one point says why. */
-static saltus_status switch_to(saltus_locus *l, saltus_locus_start *start, saltus_message *message) {
+static saltus_status switch_to(saltus_locus *l, saltus_branch_start *start, saltus_message *message) {
     saltus_message why = {.text = ""};
     char reason[SALTUS_REASON_MAX];
     start->done = true;
@@ -737,7 +741,7 @@ static void advance(saltus_locus *l) {
 }
 
 saltus_status saltus_locus_step(saltus_locus *l, bool *more, saltus_message *message) {
-    saltus_locus_starts *starts = l->starts;
+    saltus_branch_start *next;
     saltus_status status = SALTUS_OK;
     *more = true;
     if (l->trail->following) {
@@ -747,9 +751,8 @@ saltus_status saltus_locus_step(saltus_locus *l, bool *more, saltus_message *mes
         l->x.equations.tolerance = usual;
     } else if (l->way < l->way_count)
         status = begin(l, begins_crossing(l) && !l->x.mirrored, message);
-    else if ((*more = saltus_locus_starts_wait(starts, false)))
-        /* The list may grow while the curve is followed. */
-        status = switch_to(l, &starts->start[starts->next++], message);
+    else if ((*more = (next = saltus_locus_starts_next(l->starts, false))))
+        status = switch_to(l, next, message);
     return l->x.orbits.starved ? saltus_branch_no_memory(message) : status;
 }
 

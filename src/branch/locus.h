@@ -14,8 +14,8 @@ typedef struct saltus_grazings {
 } saltus_grazings;
 
 typedef struct saltus_locus {
-    saltus_trail *trail;         /* the caller's: receives the points */
-    saltus_locus_starts *starts; /* the caller's: receives all places at which other curves begin */
+    saltus_trail *trail;   /* the caller's: receives the points */
+    saltus_starts *starts; /* the caller's: receives all places at which other curves begin */
     saltus_extended x;
     double origin[2];
     double border[2][2]; /* of both parameter unknowns: low, high */
@@ -35,8 +35,8 @@ typedef struct saltus_locus {
  * saltus_locus_archive is to read it. `trail` and `starts` must be set. When it is done, starts of curves of
  * Hopf points may wait: equilibria.h follows them. Close in any case. Errors: SALTUS_NO_MEMORY,
  * SALTUS_BAD_INPUT, SALTUS_NO_CONVERGENCE. */
-saltus_status saltus_locus_open(saltus_locus *locus, const saltus_spec *spec, const saltus_locus_start *first,
-                                saltus_message *message);
+saltus_status saltus_locus_open(saltus_locus *locus, const saltus_spec *spec,
+                                const saltus_branch_start *first, saltus_message *message);
 /* It can be opened again, with the same trail and starts. */
 void saltus_locus_close(saltus_locus *locus);
 /* One step, which may give out points; *more is false when all curves are done. Errors: SALTUS_NO_MEMORY. */

@@ -370,10 +370,12 @@ bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *here, c
     if (x->kind != SALTUS_POINT_GR)
         /* What is left to the flow it judges; prescribed impacts may be too slow for it. */
         return s->survey.follows || breach > 0 || is_prescribed(&s->sequence);
-    const double distance = breach < -apart ? INFINITY : saltus_locus_apart(x, s, NULL);
+    int parts;
+    const double distance = breach < -apart ? INFINITY : saltus_locus_apart(x, s, &parts);
     /* Beyond a long run of impacts what makes the halves unlike is always small. */
     return distance >= apart ||
-           (distance > nothing && distance > 0.5 * saltus_locus_apart(x, &here->orbit, NULL));
+           (distance > nothing && distance > 0.5 * saltus_locus_apart(x, &here->orbit, NULL)) ||
+           most_unlike(&x->orbits, s, parts) >= apart;
 }
 
 bool saltus_locus_reach(saltus_extended *x, const saltus_curve_point *from, double ahead, double *tolerance,

@@ -25,17 +25,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_solution *at,
-                                         const saltus_sequence *beyond) {
+void saltus_locus_starts_begin(saltus_orbits *o, saltus_point_kind kind, const saltus_solution *at,
+                               const saltus_sequence *beyond, saltus_starts *starts) {
     const bool born = beyond && beyond->count > at->sequence.count;
     const saltus_sequence *more = born ? beyond : &at->sequence, *less = born ? &at->sequence : beyond;
-    saltus_locus_start start = {
-        .kind = kind, .sequence = *more, .parameter = {at->parameter[0], 0}, .parent = -1};
-    memcpy(start.state, at->state, sizeof start.state);
+    saltus_branch_start start = {.kind = kind, .sequence = *more, .parent = -1};
     while (less && start.mark < less->count && more->mark[start.mark].time == less->mark[start.mark].time)
         start.mark++;
     if (kind == SALTUS_POINT_HB) /* of the equilibrium */
-        start.sequence = (saltus_sequence){.contacts = at->sequence.contacts,
+        start.sequence = (saltus_sequence){.base = at->sequence.base,
+                                           .periods = 1,
+                                           .contacts = at->sequence.contacts,
                                            .omega = at->sequence.omega / at->sequence.periods};
     /* The angle of the pair on the unit circle. */
     double best = INFINITY;
@@ -46,19 +46,14 @@ saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_so
         best = fabs(mu.log_modulus);
         start.theta = atan2(mu.im, mu.re);
     }
-    return start;
-}
-
-void saltus_locus_starts_clear(saltus_locus_starts *starts) {
-    free(starts->start);
-    *starts = (saltus_locus_starts){.count = 0};
+    saltus_starts_add_at(o, at, &start, starts);
 }
 
 /* Whether two starts belong to one curve: at the same place, with the same number of events and, in whichever
  * period of the orbit, the same grazing impact; or one with the mirror image of the other's. In a scene that
  * is its own mirror image these are `image` forcing periods apart (otherwise NAN), and the curves of orbits
  * and of their images are one. */
-static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b, double image) {
+static bool are_one(const saltus_branch_start *a, const saltus_branch_start *b, double image) {
     const double near = 1e-6, near_time = 1e-4;
     if (a->kind != b->kind || a->leaves != b->leaves || a->sequence.contacts != b->sequence.contacts ||
         a->sequence.periods != b->sequence.periods || a->sequence.count != b->sequence.count ||
@@ -71,19 +66,20 @@ static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b, do
     return fabs(remainder(one->time - other->time - apart, 1)) < near_time;
 }
 
-void saltus_locus_starts_add(saltus_locus_starts *starts, const saltus_locus_start *start, double image,
-                             bool *starved) {
+/* Whether there is such a start already, which is done then if this one is. */
+static bool is_there(saltus_starts *starts, const saltus_branch_start *start, double image) {
     for (int k = 0; k < starts->count; k++)
         if (are_one(&starts->start[k], start, image)) {
             starts->start[k].done |= start->done;
-            return;
+            return true;
         }
-    saltus_locus_start *grown = realloc(starts->start, ((size_t)starts->count + 1) * sizeof *grown);
-    *starved |= !grown;
-    if (!grown)
-        return;
-    starts->start = grown;
-    grown[starts->count++] = *start;
+    return false;
+}
+
+void saltus_locus_starts_add(saltus_starts *starts, const saltus_branch_start *start, double image,
+                             bool *starved) {
+    if (!is_there(starts, start, image))
+        saltus_starts_add(starts, start, starved);
 }
 
 /* How many forcing periods a mirror image of an orbit is later than it; NAN: the scene has none. */
@@ -93,13 +89,12 @@ static double image_shift(const saltus_extended *x) {
 }
 
 bool saltus_locus_starts_pass(saltus_extended *x, const saltus_solution *at, bool joins,
-                              saltus_locus_starts *starts) {
-    saltus_locus_start own = {
+                              saltus_starts *starts) {
+    saltus_branch_start own = {
         .kind = x->kind, .sequence = at->sequence, .mark = x->mark, .leaves = joins, .done = true};
-    memcpy(own.state, at->state, sizeof own.state);
     memcpy(own.parameter, at->parameter, sizeof own.parameter);
     const double image = image_shift(x);
-    const int last = starts->next - 1;
+    const int last = starts->begun - 1;
     const bool closes = last >= 0 && last < starts->count && are_one(&starts->start[last], &own, image);
     saltus_locus_starts_add(starts, &own, image, &x->orbits.starved);
     return closes;
@@ -179,7 +174,7 @@ static int mark_at(const saltus_sequence *s, int face, double time) {
 }
 
 /* The curve of an impact's grazing in two pieces: with and without another impact that grazes too. */
-static int pieces(const saltus_sequence *both, int mark, int other, saltus_locus_start *starts) {
+static int pieces(const saltus_sequence *both, int mark, int other, saltus_branch_start *starts) {
     starts[0].kind = starts[1].kind = SALTUS_POINT_GR;
     starts[0].one_way = starts[1].one_way = true;
     starts[0].sequence = *both;
@@ -202,7 +197,7 @@ static int counterpart(const saltus_sequence *s, int mark, bool mirrored) {
  * born. Where mirror images branch off in a scene that is not symmetric itself, that of the image too.
  * Returns how many there are, 0 where they cannot be had. */
 static int grazing_of_broken(const saltus_extended *x, const saltus_sequence *whole, int mark, bool mirrored,
-                             bool without, saltus_locus_start *start) {
+                             bool without, saltus_branch_start *start) {
     start->kind = SALTUS_POINT_GR;
     start->mark = mark;
     start->leaves = true;
@@ -230,7 +225,7 @@ static int grazing_of_broken(const saltus_extended *x, const saltus_sequence *wh
  * their flips or branch points. If two impacts of theirs graze there are four pieces of curves of grazing:
  * each impact's, with and without the other. */
 static int joined_curves(saltus_extended *x, const saltus_locus_test *corner, const saltus_solution *at,
-                         saltus_locus_start *starts) {
+                         saltus_branch_start *starts) {
     const saltus_mark *own = &at->sequence.mark[x->mark];
     const saltus_breach touch = {.face = own->face, .time = own->time};
     saltus_sequence whole;
@@ -265,7 +260,7 @@ static int joined_curves(saltus_extended *x, const saltus_locus_test *corner, co
 /* The curves that meet a curve of grazing at a special orbit, or one of special orbits where it ends by
  * grazing. */
 static int special_curves(saltus_extended *x, const saltus_locus_test *corner, saltus_point_kind special,
-                          const saltus_solution *at, saltus_locus_start *starts) {
+                          const saltus_solution *at, saltus_branch_start *starts) {
     const saltus_breach *touch = saltus_corner_touch(x, at);
     bool grazes = x->kind == SALTUS_POINT_GR;
     bool without = grazes ? corner->without : touch && touch->kind == SALTUS_BREACH_GAP;
@@ -288,12 +283,12 @@ static int special_curves(saltus_extended *x, const saltus_locus_test *corner, s
 }
 
 static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const saltus_solution *at,
-                     saltus_locus_start *starts) {
+                     saltus_branch_start *starts) {
     static const saltus_point_kind special[SALTUS_POINT_KINDS] = {[SALTUS_POINT_GR_LP] = SALTUS_POINT_LP,
                                                                   [SALTUS_POINT_GR_PD] = SALTUS_POINT_PD,
                                                                   [SALTUS_POINT_GR_NS] = SALTUS_POINT_NS,
                                                                   [SALTUS_POINT_GR_BP] = SALTUS_POINT_BP};
-    saltus_locus_start *start = &starts[0];
+    saltus_branch_start *start = &starts[0];
     start->sequence = at->sequence;
     if (corner->joins && x->kind == SALTUS_POINT_GR)
         return joined_curves(x, corner, at, starts);
@@ -316,7 +311,8 @@ static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const 
     }
     if (corner->kind == SALTUS_POINT_GH) {
         start->kind = SALTUS_POINT_HB;
-        start->sequence = (saltus_sequence){.periods = 1,
+        start->sequence = (saltus_sequence){.base = at->sequence.base,
+                                            .periods = 1,
                                             .contacts = at->sequence.contacts,
                                             .omega = at->sequence.omega / at->sequence.periods};
         return 1;
@@ -335,8 +331,8 @@ static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const 
 }
 
 void saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_test *corner, const saltus_solution *at,
-                              int parent, int depth, saltus_locus_starts *starts) {
-    saltus_locus_start fresh[4] = {{0}};
+                              int parent, int depth, saltus_starts *starts) {
+    saltus_branch_start fresh[4] = {{.kind = SALTUS_POINT_REGULAR}};
     int count = curves_at(x, corner, at, fresh);
     /* At an orbit of a family only its grazing is a curve, and what branches off belongs to a family if
      * orbits of twice the period form one. At R1 and R2 multipliers are double without a family. */
@@ -349,42 +345,17 @@ void saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_test *corne
         fresh[k].origin = corner->kind;
         fresh[k].parent = parent;
         fresh[k].depth = depth;
-        fresh[k].sequence.cuts = 1;
         memcpy(fresh[k].parameter, at->parameter, sizeof at->parameter);
-        memcpy(fresh[k].state, at->state, sizeof at->state);
-        saltus_locus_starts_add(starts, &fresh[k], image_shift(x), &x->orbits.starved);
+        if (!is_there(starts, &fresh[k], image_shift(x)))
+            saltus_starts_add_at(&x->orbits, at, &fresh[k], starts);
     }
 }
 
-bool saltus_locus_starts_wait(saltus_locus_starts *starts, bool of_rests) {
-    for (starts->next = 0; starts->next < starts->count; starts->next++) {
-        const saltus_locus_start *s = &starts->start[starts->next];
+saltus_branch_start *saltus_locus_starts_next(saltus_starts *starts, bool of_rests) {
+    for (starts->begun = 1; starts->begun <= starts->count; starts->begun++) {
+        saltus_branch_start *s = &starts->start[starts->begun - 1];
         if (!s->done && (s->kind == SALTUS_POINT_HB || s->origin == SALTUS_POINT_BT) == of_rests)
-            return true;
+            return s;
     }
-    return false;
-}
-
-void saltus_locus_starts_archive(saltus_archive *a, saltus_locus_starts *starts) {
-    enum { numbers_min = 16 }; /* per start */
-    if (a->reading)
-        saltus_locus_starts_clear(starts);
-    starts->start = saltus_archive_list(a, starts->start, &starts->count, sizeof *starts->start, numbers_min);
-    starts->next = (int)saltus_archive_whole(a, starts->next, 0, starts->count);
-    for (int k = 0; k < starts->count; k++) {
-        saltus_locus_start *start = &starts->start[k];
-        start->kind = saltus_archive_kind(a, start->kind, saltus_orbit_loci | 1u << SALTUS_POINT_HB);
-        saltus_archive_sequence(a, &start->sequence);
-        saltus_archive_finite(a, start->parameter, 2);
-        saltus_archive_finite(a, start->state, (size_t)a->n);
-        start->mark = (int)saltus_archive_whole(a, start->mark, 0, SALTUS_MARKS_MAX - 1);
-        a->sound = a->sound && (start->kind != SALTUS_POINT_GR || start->mark < start->sequence.count);
-        saltus_archive_finite(a, &start->theta, 1);
-        start->one_way = saltus_archive_flag(a, start->one_way);
-        start->leaves = saltus_archive_flag(a, start->leaves);
-        start->origin = saltus_archive_kind(a, start->origin, ~0u);
-        start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
-        start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
-        start->done = saltus_archive_flag(a, start->done);
-    }
+    return NULL;
 }

@@ -69,7 +69,7 @@ static saltus_status renew(saltus_rest_locus *l, const double *u, saltus_message
 
 /* `here` becomes the first point of the curve through a start, with the second parameter as it is or, if that
  * stays so along the curve, with the first. */
-static saltus_status open_curve(saltus_rest_locus *l, const saltus_locus_start *start,
+static saltus_status open_curve(saltus_rest_locus *l, const saltus_branch_start *start,
                                 saltus_message *message) {
     const double little = 1e-6; /* relative to rate_scale; identifies the two eigenvalues at BT */
     saltus_rests *r = &l->rests;
@@ -116,7 +116,7 @@ static saltus_status open_curve(saltus_rest_locus *l, const saltus_locus_start *
 }
 
 saltus_status saltus_rest_locus_open(saltus_rest_locus *l, const saltus_spec *spec,
-                                     const saltus_locus_start *first, saltus_message *message) {
+                                     const saltus_branch_start *first, saltus_message *message) {
     const saltus_branch_options *options = l->trail->options;
     saltus_rests *r = &l->rests;
     l->way_count = options->direction ? 1 : 2;
@@ -183,16 +183,17 @@ static void meet(saltus_rest_locus *l, saltus_point_kind kind, const saltus_rest
     saltus_hopf hopf = {.omega = 0};
     if (trail->options->switches == 0 || (grows && !saltus_hopf_find(&l->rests, at, &hopf)))
         return;
-    saltus_locus_start start = {
+    saltus_branch_start start = {
         .kind = l->rests.special.kind,
         .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf.omega},
         .parameter = {at->parameter[0], at->parameter[1]},
+        .state = at->state,
+        .states = l->rests.n,
         .one_way = grows,
         .origin = kind,
         .parent = trail->number,
         .depth = trail->depth + 1,
         .done = true};
-    memcpy(start.state, at->state, sizeof start.state);
     saltus_locus_starts_add(l->starts, &start, NAN, &l->rests.starved);
     if (trail->depth >= trail->options->switches)
         return;
@@ -205,7 +206,7 @@ static void meet(saltus_rest_locus *l, saltus_point_kind kind, const saltus_rest
 
 /* Begin a curve that was met: on a curve of Hopf points from where two eigenvalues are zero on the way on
  * which these are a pair. */
-static saltus_status switch_to(saltus_rest_locus *l, saltus_locus_start *start, saltus_message *message) {
+static saltus_status switch_to(saltus_rest_locus *l, saltus_branch_start *start, saltus_message *message) {
     const double apart = 1e-3;
     saltus_rest *aside = &l->trial;
     saltus_message why = {.text = ""};
@@ -334,14 +335,15 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
 }
 
 saltus_status saltus_rest_locus_step(saltus_rest_locus *l, bool *more, saltus_message *message) {
+    saltus_branch_start *next;
     saltus_status status = SALTUS_OK;
     *more = true;
     if (l->trail->following)
         status = advance(l, message);
     else if (l->way < l->way_count)
         status = begin(l, message);
-    else if ((*more = saltus_locus_starts_wait(l->starts, true)))
-        status = switch_to(l, &l->starts->start[l->starts->next], message);
+    else if ((*more = (next = saltus_locus_starts_next(l->starts, true))))
+        status = switch_to(l, next, message);
     return status == SALTUS_OK && l->rests.starved ? saltus_branch_no_memory(message) : status;
 }
 

@@ -172,14 +172,9 @@ saltus_status saltus_solution_place(saltus_orbits *o, const saltus_sequence *seq
 }
 
 saltus_status saltus_solution_restore(saltus_orbits *o, const saltus_sequence *sequence,
-                                      const double *parameters, const double *states, saltus_solution *out,
-                                      saltus_message *message) {
-    return place(o, sequence, parameters, states, sequence->cuts, false, out, message);
-}
-
-void saltus_solution_states(const saltus_orbits *o, const saltus_solution *s, double *states) {
-    for (int j = 0; j < s->sequence.cuts * o->n; j++)
-        states[j] = s->at.u[j] * saltus_shooting_scale(o->shooting)[j % o->n];
+                                      const double *parameters, const double *states, bool polish,
+                                      saltus_solution *out, saltus_message *message) {
+    return place(o, sequence, parameters, states, sequence->cuts, polish, out, message);
 }
 
 void saltus_orbits_reshape(saltus_orbits *o, const saltus_solution *s) {
@@ -236,9 +231,8 @@ static saltus_status walk_in_pieces(saltus_orbits *o, saltus_solution *s, saltus
     saltus_sequence_turn(&s->sequence, s->sequence.base, SALTUS_CUTS_MAX, &pieces, NULL);
     if (pieces.cuts <= s->sequence.cuts)
         return SALTUS_OK;
-    double *states = calloc((size_t)(pieces.cuts * o->n), sizeof *states);
-    saltus_status status =
-        states ? saltus_solution_states_at(o, s, &pieces, states, message) : saltus_branch_no_memory(message);
+    double *states;
+    saltus_status status = saltus_solution_states_at(o, s, &pieces, &states, message);
     /* At grazing it is chance which of the flows meets the impact. */
     if (status == SALTUS_OK)
         status = saltus_sequence_walk(&pieces, cocycle && !given ? o->tangent : o->flow, states, &lap, NULL,
@@ -362,7 +356,7 @@ saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltu
     return saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
-/* See saltus_orbits_shoot; from the states at the first cuts, so many as are `given`. */
+/* A shooting and its unknowns, from the states at the first cuts, so many as are `given`. */
 static saltus_status shoot(const saltus_orbits *o, const saltus_sequence *sequence, const double *parameters,
                            const double *states, int given, saltus_shooting **shooting, double **u,
                            saltus_message *message) {
@@ -375,63 +369,94 @@ static saltus_status shoot(const saltus_orbits *o, const saltus_sequence *sequen
     return saltus_shooting_fill(*shooting, parameters, states, given, *u, message);
 }
 
-saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_sequence *sequence,
-                                  const double *parameters, const double *state, saltus_shooting **shooting,
-                                  double **u, saltus_message *message) {
-    return shoot(o, sequence, parameters, state, 1, shooting, u, message);
+saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_solution *at,
+                                  const saltus_sequence *sequence, saltus_shooting **shooting, double **u,
+                                  saltus_message *message) {
+    double *states;
+    saltus_status status = saltus_solution_states_at(o, at, sequence, &states, message);
+    if (status == SALTUS_OK)
+        status = shoot(o, sequence, at->parameter, states, sequence->cuts, shooting, u, message);
+    free(states);
+    return status;
 }
 
-saltus_status saltus_orbits_evaluate(const saltus_orbits *o, const saltus_sequence *sequence,
-                                     const double *parameters, const double *states, int given,
-                                     saltus_shooting **shooting, saltus_message *message) {
+saltus_status saltus_orbits_evaluate(const saltus_orbits *o, const saltus_solution *at,
+                                     const saltus_sequence *sequence, saltus_shooting **shooting,
+                                     saltus_message *message) {
     double *u;
-    saltus_status status = shoot(o, sequence, parameters, states, given, shooting, &u, message);
+    const saltus_status status = saltus_orbits_shoot(o, at, sequence, shooting, &u, message);
     return status == SALTUS_OK ? saltus_equations_evaluate(saltus_shooting_equations(*shooting), u, message)
                                : status;
 }
 
-saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *s, double time, double *state,
-                                       saltus_message *message) {
+/* See saltus_solution_state_at. */
+static saltus_status find_state(const saltus_orbits *o, const saltus_solution *s, double time, double *state,
+                                saltus_message *message) {
     const saltus_sequence *own = &s->sequence;
-    const double later = time < own->base ? time + own->periods : time;
+    const double rounding = 1e-14 * (1 + own->base + own->periods);
+    double later = time - own->periods * floor((time - own->base + rounding) / own->periods);
     int k = own->cuts - 1;
     saltus_sequence cut = *own;
     saltus_shooting *shooting = NULL;
     double *u;
-    while (k > 0 && own->cut[k] > later)
+    while (k > 0 && own->cut[k] > later + rounding)
         k--;
     for (int i = 0; i < o->n; i++)
         state[i] = k ? s->at.u[k * o->n + i] * saltus_shooting_scale(o->shooting)[i] : s->state[i];
-    if (later == own->cut[k])
+    const double begin = k ? own->cut[k] : own->base;
+    if (fabs(later - begin) <= rounding)
         return SALTUS_OK;
     /* It is the state at the second cut of the sequence that begins at the last one before. */
     if (k > 0)
-        saltus_sequence_turn(own, own->cut[k], 1, &cut, NULL);
+        saltus_sequence_turn(own, begin, 1, &cut, NULL);
     cut.cuts = 2;
     cut.cut[0] = cut.base;
-    cut.cut[1] = cut.base + (later - own->cut[k]);
-    saltus_status status = saltus_orbits_shoot(o, &cut, s->parameter, state, &shooting, &u, message);
+    cut.cut[1] = cut.base + (later - begin);
+    saltus_status status = shoot(o, &cut, s->parameter, state, 1, &shooting, &u, message);
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
         state[i] = u[o->n + i] * saltus_shooting_scale(shooting)[i];
     saltus_shooting_free(shooting);
-    return saltus_orbits_noted(o, status);
+    return status;
 }
 
-saltus_status saltus_solution_states_at(saltus_orbits *o, const saltus_solution *s,
-                                        const saltus_sequence *cut, double *states, saltus_message *message) {
+saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *s, double time, double *state,
+                                       saltus_message *message) {
+    return saltus_orbits_noted(o, find_state(o, s, time, state, message));
+}
+
+saltus_status saltus_solution_states_at(const saltus_orbits *o, const saltus_solution *s,
+                                        const saltus_sequence *cut, double **states,
+                                        saltus_message *message) {
+    const saltus_sequence *own = &s->sequence;
     saltus_shooting *shooting = NULL;
-    double *u;
-    saltus_status status = SALTUS_OK;
-    if (s->sequence.cuts > 1) {
+    double *u, *all = *states = calloc((size_t)(cut->cuts * o->n), sizeof *all);
+    saltus_status status = all ? SALTUS_OK : saltus_branch_no_memory(message);
+    if (own->cuts > 1 || cut->cuts == 1 || cut->base != own->base || cut->periods != own->periods) {
         for (int j = 0; j < cut->cuts && status == SALTUS_OK; j++)
-            status = saltus_solution_state_at(o, s, cut->cut[j], states + j * o->n, message);
+            status = find_state(o, s, j ? cut->cut[j] : cut->base, all + j * o->n, message);
         return status;
     }
-    status = saltus_orbits_shoot(o, cut, s->parameter, s->state, &shooting, &u, message);
     if (status == SALTUS_OK)
-        memcpy(states, saltus_shooting_states(shooting, u), (size_t)(cut->cuts * o->n) * sizeof *states);
+        status = shoot(o, cut, s->parameter, s->state, 1, &shooting, &u, message);
+    if (status == SALTUS_OK)
+        memcpy(all, saltus_shooting_states(shooting, u), (size_t)(cut->cuts * o->n) * sizeof *all);
     saltus_shooting_free(shooting);
-    return saltus_orbits_noted(o, status);
+    return status;
+}
+
+void saltus_solution_cuts(const saltus_solution *s, saltus_sequence *out) {
+    const double little = 1e2; /* once around; several times around it is a power of that */
+    const saltus_sequence *own = &s->sequence;
+    const int turns = out->periods > own->periods ? out->periods / own->periods : 1;
+    const bool once = own->cuts == 1 && (!(s->growth > little) || own->driven || own->contacts);
+    const int all = once ? 1 : turns * own->cuts, every = 1 + (all - 1) / SALTUS_CUTS_MAX;
+    out->cuts = 0;
+    for (int j = 0; j < all; j += every) {
+        const double cut =
+            (j % own->cuts ? own->cut[j % own->cuts] : own->base) + (double)(j / own->cuts) * own->periods;
+        if (cut < out->base + out->periods)
+            out->cut[out->cuts++] = cut;
+    }
 }
 
 bool saltus_orbits_join(const saltus_orbits *o, double before, double apart, double ahead) {

@@ -88,13 +88,11 @@ void saltus_solution_head(saltus_solution *solution, double heading);
 saltus_status saltus_solution_place(saltus_orbits *orbits, const saltus_sequence *sequence,
                                     const double *parameters, const double *state, bool polish,
                                     saltus_solution *out, saltus_message *message);
-/* The same from the states at all cuts (cuts x n), only evaluated: where errors of the flow grow much along
- * the orbit, the state at its base does not tell them. */
+/* The same from the states at all cuts (cuts x n): where errors of the flow grow much along the orbit, the
+ * state at its base does not tell them. */
 saltus_status saltus_solution_restore(saltus_orbits *orbits, const saltus_sequence *sequence,
-                                      const double *parameters, const double *states, saltus_solution *out,
-                                      saltus_message *message);
-/* The states at the cuts of a solution (cuts x n). */
-void saltus_solution_states(const saltus_orbits *orbits, const saltus_solution *solution, double *states);
+                                      const double *parameters, const double *states, bool polish,
+                                      saltus_solution *out, saltus_message *message);
 /* The shooting takes on the sequence of a solution again, after attempts with others. */
 void saltus_orbits_reshape(saltus_orbits *orbits, const saltus_solution *solution);
 /* For an orbit whose period is an unknown: the scaled distance that it would move in its period at the speed
@@ -135,14 +133,17 @@ static inline void saltus_survey_follow(saltus_survey *survey, const saltus_surv
 }
 /* The speeds towards the stop of the impacts among the marks; 0 for other marks. */
 void saltus_solution_speeds(const saltus_orbits *orbits, const saltus_solution *solution, double *speed);
-/* The state at `time`, from one orbit before the solution's base to one after it, through the prescribed
- * events. Errors: those of the flow, SALTUS_NO_MEMORY. */
+/* The state at `time` through the prescribed events. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_solution_state_at(saltus_orbits *orbits, const saltus_solution *solution, double time,
                                        double *state, saltus_message *message);
-/* The states at the cuts of another sequence of the same orbit (cuts x n), each from the last cut before:
- * errors of the flow may grow too much from the base. Errors: as above. */
-saltus_status saltus_solution_states_at(saltus_orbits *orbits, const saltus_solution *solution,
-                                        const saltus_sequence *cut, double *states, saltus_message *message);
+/* The states at the cuts of another sequence of the same orbit, of part of its period or of several times it
+ * (cuts x n), which the caller frees in any case; each from the last cut before: errors of the flow may grow
+ * too much from the base. Errors: as above. */
+saltus_status saltus_solution_states_at(const saltus_orbits *orbits, const saltus_solution *solution,
+                                        const saltus_sequence *cut, double **states, saltus_message *message);
+/* Cut such a sequence, with the same base, like the solution; where errors grow much in one orbit, one of
+ * several times it at each of these, or at some. */
+void saltus_solution_cuts(const saltus_solution *solution, saltus_sequence *cut);
 /* Cut the orbit open elsewhere, into more segments, or with fewer marks (`trims`), if that is better
  * (sequence.h), or if it `leaves` a base that is about to touch a stop. `scratch` is overwritten. order
  * (SALTUS_MARKS_MAX entries; may be NULL): the former index of each mark. False: solution and shooting are as
@@ -157,16 +158,16 @@ bool saltus_solution_refine(saltus_orbits *orbits, saltus_solution *solution, sa
  * stop. */
 bool saltus_solution_base_beyond(const saltus_orbits *orbits, const saltus_solution *solution);
 
-/* A separate shooting for a sequence, which the caller frees in any case, and its unknowns for a state at the
- * base, in its equations' `trial`; orbits->shooting stays as it is. Errors: those of the flow,
- * SALTUS_NO_MEMORY. */
-saltus_status saltus_orbits_shoot(const saltus_orbits *orbits, const saltus_sequence *sequence,
-                                  const double *parameters, const double *state, saltus_shooting **shooting,
-                                  double **u, saltus_message *message);
-/* The same from the states at the first cuts, so many as are `given`, and evaluate its equations there. */
-saltus_status saltus_orbits_evaluate(const saltus_orbits *orbits, const saltus_sequence *sequence,
-                                     const double *parameters, const double *states, int given,
-                                     saltus_shooting **shooting, saltus_message *message);
+/* A separate shooting for another sequence of a solution (as for saltus_solution_states_at), which the caller
+ * frees in any case, and the solution's unknowns, in its equations' `trial`; orbits->shooting stays as it is.
+ * Errors: those of the flow, SALTUS_NO_MEMORY. */
+saltus_status saltus_orbits_shoot(const saltus_orbits *orbits, const saltus_solution *at,
+                                  const saltus_sequence *sequence, saltus_shooting **shooting, double **u,
+                                  saltus_message *message);
+/* The same, and evaluate its equations there. */
+saltus_status saltus_orbits_evaluate(const saltus_orbits *orbits, const saltus_solution *at,
+                                     const saltus_sequence *sequence, saltus_shooting **shooting,
+                                     saltus_message *message);
 /* The scaled distance of an orbit from one that closes after one of `parts` equal parts of the period,
  * INFINITY unless these are whole periods; 1: from one that is its own mirror image, half a period later. The
  * scaled difference goes to `apart` (n; may be NULL) if it is known. */

@@ -487,26 +487,35 @@ double saltus_special_doubt(saltus_orbits *o, saltus_test test, const saltus_sol
 
 saltus_status saltus_special_between(saltus_orbits *o, saltus_orbits *own, const saltus_solution *at,
                                      bool mirrored, saltus_solution *between) {
-    const double *scale = saltus_shooting_scale(o->shooting), half = 0.5 * at->sequence.periods;
+    const double half = 0.5 * at->sequence.periods;
     const int marks = at->sequence.count / 2;
-    double state[SALTUS_STATE_MAX], apart[SALTUS_STATE_MAX];
-    saltus_sequence sequence = at->sequence;
-    if (!isfinite(saltus_solution_part_distance(o, at, mirrored ? 1 : 2, apart)))
+    double *states, *later = NULL;
+    if (!mirrored && at->sequence.periods % 2)
         return SALTUS_NO_CONVERGENCE;
-    for (int i = 0; i < o->n; i++)
-        state[i] = at->state[i] + (mirrored ? -0.5 : 0.5) * apart[i] * scale[i];
-    for (int k = 0; k < marks; k++) {
-        const double later = sequence.mark[k + marks].time - sequence.mark[k].time - half;
-        sequence.mark[k].time += 0.5 * later;
-        sequence.mark[k + marks].time -= 0.5 * later;
-    }
-    sequence.cuts = 1;
+    saltus_sequence sequence = at->sequence, beyond = at->sequence;
     if (!mirrored) {
         sequence.periods /= 2;
         sequence.count = marks;
+        saltus_solution_cuts(at, &sequence);
     }
-    saltus_status status =
-        saltus_solution_place(own, &sequence, at->parameter, state, !mirrored, between, NULL);
+    beyond.base += half;
+    beyond.cuts = sequence.cuts;
+    for (int j = 0; j < beyond.cuts; j++)
+        beyond.cut[j] += half;
+    saltus_status status = saltus_solution_states_at(o, at, &sequence, &states, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_solution_states_at(o, at, &beyond, &later, NULL);
+    for (int j = 0; j < sequence.cuts * o->n && status == SALTUS_OK; j++)
+        states[j] = 0.5 * (states[j] + (mirrored ? -later[j] : later[j]));
+    for (int k = 0; k < marks; k++) {
+        const double shift = 0.5 * (at->sequence.mark[k + marks].time - at->sequence.mark[k].time - half);
+        sequence.mark[k].time += shift;
+        sequence.mark[k + marks].time -= shift;
+    }
+    if (status == SALTUS_OK)
+        status = saltus_solution_restore(own, &sequence, at->parameter, states, !mirrored, between, NULL);
+    free(states);
+    free(later);
     if (!mirrored || status != SALTUS_OK)
         return status;
     /* At the place itself both curves' tangents are possible. */
@@ -528,9 +537,12 @@ static void repeat(saltus_orbits *o, const saltus_solution *from, const saltus_s
     const int count = orbit->sequence.count;
     for (int k = 0; k < sequence.count; k++)
         sequence.mark[k].time = mark[k % count].time + (double)orbit->sequence.periods * (k / count);
-    saltus_status status = saltus_shooting_shape(o->shooting, &sequence, NULL);
+    double *states;
+    saltus_status status = saltus_solution_states_at(o, orbit, &sequence, &states, NULL);
     if (status == SALTUS_OK)
-        status = saltus_shooting_fill(o->shooting, orbit->parameter, orbit->state, 1, at->at.u, NULL);
+        status = saltus_shooting_shape(o->shooting, &sequence, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_shooting_fill(o->shooting, orbit->parameter, states, sequence.cuts, at->at.u, NULL);
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(o->equations, at->at.u, NULL);
     if (status == SALTUS_OK)
@@ -538,6 +550,7 @@ static void repeat(saltus_orbits *o, const saltus_solution *from, const saltus_s
     if (status == SALTUS_OK)
         status = saltus_solution_survey(o, at, NULL);
     saltus_orbits_noted(o, status);
+    free(states);
     saltus_orbits_reshape(o, from);
 }
 

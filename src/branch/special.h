@@ -50,25 +50,41 @@ bool saltus_special_halves(saltus_orbits *orbits, const saltus_solution *solutio
  * there. */
 bool saltus_special_strays(saltus_orbits *orbits, const saltus_solution *here, const saltus_solution *next);
 
-/* Where a branch begins. Its arrays are the maker's; a list has its own copies. */
+/* The kinds of special orbits of which there are curves. */
+static const unsigned saltus_orbit_loci = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD |
+                                          1u << SALTUS_POINT_NS | 1u << SALTUS_POINT_BP |
+                                          1u << SALTUS_POINT_GR;
+
+/* Where a branch begins, or a curve of special points. Its arrays are the maker's; a list has its own copies.
+ */
 typedef struct saltus_branch_start {
     saltus_sequence sequence;
-    double parameter;
+    double parameter[2];
     const double *state, *tangent;
-    int states;   /* numbers of the states at all cuts, of the equilibrium otherwise */
+    int states;   /* numbers of the states at all cuts, of the equilibrium otherwise; 0: only its place counts
+                   */
     int unknowns; /* entries of the tangent; 0: it is the null vector, with the sign of `heading` */
     int heading, parent, depth;
     int place; /* number of the joined place (trail.h) that this and its like lead away from, counted
                   from 1; 0: none */
     saltus_point_kind origin; /* kind of the point where it branches off; REGULAR: none; GR: an impact has
                                  zero speed, and the flow decides the direction */
+    /* Of a curve. GH: the state is that of the equilibrium, which the sequence's anchor leads away from. */
+    saltus_point_kind kind; /* of its points; HB, or begun at BT: of equilibria (equilibria.h) */
+    int mark;               /* grazing: the impact that has no speed; BE: the face that is touched */
+    double theta;           /* Neimark-Sacker: of the pair of multipliers */
+    bool one_way;           /* beyond the point of codimension two its orbits are not admissible */
+    bool leaves;            /* its orbits are not those of half the period, or not their own mirror images, as
+                               the one that it begins at is */
+    bool done;              /* a curve has come here from elsewhere */
 } saltus_branch_start;
 
-/* Starts that are still to be followed, in order. */
+/* Starts of branches that are still to be followed, in order; or all those of curves. */
 typedef struct saltus_starts {
     saltus_branch_start *start;
     int count;
-    int begun; /* starts taken or passed over so far: the number of the next branch */
+    int begun; /* starts taken or passed over so far: the number of the next branch; of curves: the number of
+                  the start that was taken last, counted from 1 */
 } saltus_starts;
 
 /* `between`, among the orbits `own`, opened for it, becomes the orbit between the two halves of `at`, which
@@ -79,6 +95,10 @@ saltus_status saltus_special_between(saltus_orbits *orbits, saltus_orbits *own, 
 
 /* Append a copy. *starved is set without memory, here and below. */
 void saltus_starts_add(saltus_starts *starts, const saltus_branch_start *start, bool *starved);
+/* Append the start at this orbit: its sequence, of the same orbit, of part of its period or of several times
+ * it, gets the orbit's cuts, and the start the parameters and the states there. */
+void saltus_starts_add_at(saltus_orbits *orbits, const saltus_solution *at, const saltus_branch_start *start,
+                          saltus_starts *starts);
 /* Append both directions along a branch or, if `direction` is not 0, one: with that heading, or with the
  * tangent as it is (1) or reversed (-1). */
 void saltus_starts_add_ways(saltus_starts *starts, const saltus_branch_start *start, int direction,

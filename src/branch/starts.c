@@ -10,7 +10,7 @@
 static void add(saltus_starts *starts, const saltus_branch_start *start, int way, bool *starved) {
     const size_t room = ((size_t)starts->count + 1) * sizeof *starts->start;
     saltus_branch_start *grown = realloc(starts->start, room);
-    double *own = calloc((size_t)(start->states + start->unknowns), sizeof *own);
+    double *own = calloc((size_t)(start->states + start->unknowns) + 1, sizeof *own);
     starts->start = grown ? grown : starts->start;
     *starved |= !grown || !own;
     if (!grown || !own) {
@@ -29,6 +29,20 @@ static void add(saltus_starts *starts, const saltus_branch_start *start, int way
 
 void saltus_starts_add(saltus_starts *starts, const saltus_branch_start *start, bool *starved) {
     add(starts, start, 1, starved);
+}
+
+void saltus_starts_add_at(saltus_orbits *o, const saltus_solution *at, const saltus_branch_start *start,
+                          saltus_starts *starts) {
+    saltus_branch_start own = *start;
+    double *states;
+    saltus_solution_cuts(at, &own.sequence);
+    const saltus_status status = saltus_solution_states_at(o, at, &own.sequence, &states, NULL);
+    memcpy(own.parameter, at->parameter, sizeof own.parameter);
+    own.state = states;
+    own.states = own.sequence.cuts * o->n;
+    if (saltus_orbits_noted(o, status) == SALTUS_OK)
+        saltus_starts_add(starts, &own, &o->starved);
+    free(states);
 }
 
 void saltus_starts_add_ways(saltus_starts *starts, const saltus_branch_start *start, int direction,
@@ -77,51 +91,39 @@ void saltus_starts_clear(saltus_starts *starts) {
     *starts = (saltus_starts){.count = 0};
 }
 
-/* The sequence once around one orbit and then around another, with the cuts of `at`, whose states are `once`,
- * both times, and the states there; one cut will do where errors grow little, and must where the base is no
- * free flight. False if there are too many marks. */
-static bool join(const saltus_solution *at, const double *once, int n, const saltus_sequence *first,
-                 const saltus_sequence *second, saltus_sequence *joined, double *states) {
-    const double little = 1e2; /* once around; twice around it is the square */
-    const int cuts = at->sequence.cuts;
-    const bool finer = cuts > 1 || (at->growth > little && !at->sequence.driven && !at->sequence.contacts);
-    const int all = finer ? 2 * cuts : 1, every = all > SALTUS_CUTS_MAX ? 2 : 1;
-    if (!saltus_sequence_join(first, second, joined))
-        return false;
-    joined->cuts = 0;
-    for (int j = 0; j < all; j += every) {
-        joined->cut[joined->cuts] = at->sequence.cut[j % cuts] + (j < cuts ? 0 : at->sequence.periods);
-        memcpy(states + joined->cuts++ * n, once + j % cuts * n, (size_t)n * sizeof *states);
-    }
-    return true;
-}
-
-/* Where curves cross, or at a flip; `work` has room for three tangents of the start. */
+/* Where curves cross, or at a flip. */
 static saltus_status leave_crossing(saltus_orbits *o, const saltus_solution *at, saltus_branch_start *start,
-                                    double *work, saltus_starts *starts, saltus_message *message) {
+                                    saltus_starts *starts, saltus_message *message) {
     const bool pitchfork = start->origin == SALTUS_POINT_PD || o->system->mirror;
+    saltus_solution_cuts(at, &start->sequence);
     const int m = saltus_sequence_unknowns(&start->sequence, o->n) + 1;
-    double *plane = work, *tangent = work + 2 * m, values[2];
+    double *plane = calloc(3 * (size_t)m, sizeof *plane), *tangent = plane + 2 * m, *states = NULL, values[2];
     saltus_shooting *shooting = NULL;
-    saltus_status status = saltus_orbits_evaluate(o, &start->sequence, at->parameter, start->state,
-                                                  start->sequence.cuts, &shooting, message);
+    saltus_status status = plane ? saltus_orbits_evaluate(o, at, &start->sequence, &shooting, message)
+                                 : saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
         status = saltus_null_plane(saltus_shooting_equations(shooting), plane, values, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_states_at(o, at, &start->sequence, &states, message);
     saltus_shooting_free(shooting);
-    if (status != SALTUS_OK)
-        return status;
     /* The new branch leaves along a unit vector in the null plane: at flips and pitchforks its own tangent,
      * along which the parameter is constant; otherwise orthogonal to the old tangent. */
-    const double a = pitchfork ? plane[m - 1] : saltus_dot(plane, at->at.tangent, m),
-                 c = pitchfork ? plane[2 * m - 1] : saltus_dot(plane + m, at->at.tangent, m);
-    for (int j = 0; j < m; j++)
-        tangent[j] = c * plane[j] - a * plane[m + j];
-    saltus_make_unit(tangent, m);
-    start->tangent = tangent;
-    start->unknowns = m;
-    /* At pitchforks and flips the other half of the branch is the image of this half. */
-    saltus_starts_add_ways(starts, start, pitchfork, &o->starved);
-    return SALTUS_OK;
+    if (status == SALTUS_OK) {
+        const double a = pitchfork ? plane[m - 1] : saltus_dot(plane, at->at.tangent, m),
+                     c = pitchfork ? plane[2 * m - 1] : saltus_dot(plane + m, at->at.tangent, m);
+        for (int j = 0; j < m; j++)
+            tangent[j] = c * plane[j] - a * plane[m + j];
+        saltus_make_unit(tangent, m);
+        start->state = states;
+        start->states = start->sequence.cuts * o->n;
+        start->tangent = tangent;
+        start->unknowns = m;
+        /* At pitchforks and flips the other half of the branch is the image of this half. */
+        saltus_starts_add_ways(starts, start, pitchfork, &o->starved);
+    }
+    free(plane);
+    free(states);
+    return status;
 }
 
 saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, saltus_point_kind kind,
@@ -131,28 +133,18 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     const saltus_sequence *own = &at->sequence;
     const saltus_sequence *more = grazes && beyond->count > own->count ? beyond : own;
     const saltus_sequence *less = grazes && more == own ? beyond : own;
-    const size_t m = (size_t)at->at.unknowns;
-    double *once = calloc(9 * m, sizeof *once);
     saltus_branch_start start = *like;
-    saltus_status status = SALTUS_OK;
-    if (!once)
-        return saltus_branch_no_memory(message);
-    double *states = once + m, *work = states + 2 * m;
-    saltus_solution_states(o, at, once);
     start.origin = kind;
-    start.parameter = at->parameter[0];
+    start.parameter[0] = at->parameter[0];
     start.sequence = *own;
-    start.state = grazes || flips ? states : once;
     const bool joins = (grazes || flips) && more->count == less->count + grazes &&
-                       join(at, once, o->n, more, less, &start.sequence, states);
-    start.states = start.sequence.cuts * o->n;
+                       saltus_sequence_join(more, less, &start.sequence);
     if (flips && !joins)
-        status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "twice the orbit has more than %d events",
-                             SALTUS_MARKS_MAX);
-    else if (!grazes)
-        status = leave_crossing(o, at, &start, work, starts, message);
-    else if (joins)
-        saltus_starts_add(starts, &start, &o->starved);
-    free(once);
-    return status;
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "twice the orbit has more than %d events",
+                           SALTUS_MARKS_MAX);
+    if (!grazes)
+        return leave_crossing(o, at, &start, starts, message);
+    if (joins)
+        saltus_starts_add_at(o, at, &start, starts);
+    return SALTUS_OK;
 }

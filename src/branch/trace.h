@@ -12,7 +12,8 @@
 typedef struct saltus_trace {
     /* For the whole run. */
     saltus_trail *trail;   /* the caller's: receives the points */
-    saltus_starts *starts; /* the caller's: receives branches that leave */
+    saltus_starts *starts; /* the caller's: receives branches that leave, */
+    saltus_starts *found;  /* and where the requested locus begins */
     saltus_orbits orbits;
     double range[2]; /* of the parameter unknown */
     /* Along a branch. */
@@ -24,10 +25,10 @@ typedef struct saltus_trace {
     /* One step: its start and end, and room for orbits that are tried. */
     saltus_solution *here, *next, *trial, *spare, *other;
     saltus_solution solutions[5];
-    saltus_locus_start found; /* where the requested locus begins; REGULAR: not found */
 } saltus_trace;
 
-/* `trail` and `starts` must be set. Close in any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT. */
+/* `trail`, `starts` and `found` must be set. Close in any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT.
+ */
 saltus_status saltus_trace_open(saltus_trace *trace, const saltus_spec *spec, saltus_message *message);
 void saltus_trace_close(saltus_trace *trace);
 /* Find the orbit of least period near the state; both directions from it are added to the starts. Errors:

@@ -45,7 +45,7 @@ saltus_status saltus_trace_begin(saltus_trace *t, int periods, const double *sta
 /* If no branch can begin at a start that was switched to, give out one point that says why. */
 static void give_up(saltus_trace *t, const saltus_branch_start *start, const char *why) {
     t->trail->following = false;
-    if (saltus_solution_restore(&t->orbits, &start->sequence, &start->parameter, start->state, t->here,
+    if (saltus_solution_restore(&t->orbits, &start->sequence, start->parameter, start->state, false, t->here,
                                 NULL) != SALTUS_OK ||
         saltus_solution_survey(&t->orbits, t->here, NULL) != SALTUS_OK || !start->origin)
         return;
@@ -67,7 +67,7 @@ static saltus_status hopf_cycle(saltus_orbits *o, const saltus_branch_start *sta
     saltus_equations *e = o->equations;
     double normal[SALTUS_STATE_MAX + 2] = {0}, place[SALTUS_STATE_MAX + 2];
     memcpy(normal, start->tangent, (size_t)o->n * sizeof *normal);
-    saltus_status status = saltus_hopf_aside(o, &start->parameter, start->state, start->tangent, apart,
+    saltus_status status = saltus_hopf_aside(o, start->parameter, start->state, start->tangent, apart,
                                              &start->sequence, out, message);
     if (status != SALTUS_OK)
         return status;
@@ -101,13 +101,13 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
         return status;
     }
     if (start->unknowns)
-        return saltus_solution_restore(o, &sequence, &start->parameter, start->state, here, why);
+        return saltus_solution_restore(o, &sequence, start->parameter, start->state, false, here, why);
     const int most = start->parent < 0 ? SALTUS_CUTS_MAX : 1;
     o->equations->bold = start->parent < 0;
     for (int cuts = 1; cuts <= most && status != SALTUS_OK; cuts *= 2) {
         if (cuts > 1)
             saltus_sequence_turn(&start->sequence, start->sequence.base, cuts, &sequence, NULL);
-        status = saltus_solution_place(o, &sequence, &start->parameter, start->state, true, here, why);
+        status = saltus_solution_place(o, &sequence, start->parameter, start->state, true, here, why);
         if (cuts > 1 && status == SALTUS_NO_CONVERGENCE && isfinite(o->equations->size))
             growth = fmax(growth, saltus_shooting_growth(o->shooting));
     }
@@ -152,7 +152,7 @@ saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *sta
     t->births.count = 0;
     saltus_lap_close(&t->first);
     if (start->origin == SALTUS_POINT_GR) {
-        if (saltus_change_pass(o, &start->sequence, &start->parameter, start->state, NULL, t->here, t->next))
+        if (saltus_change_pass(o, &start->sequence, start->parameter, start->state, NULL, t->here, t->next))
             saltus_trace_leave_grazing(t);
         else
             give_up(t, start, "the flow follows no such orbit");

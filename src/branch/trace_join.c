@@ -8,13 +8,14 @@
 #include "orbit/sequence.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 void saltus_trace_drop_starts(saltus_trace *t) {
     const saltus_branch_point *point = saltus_trail_last(t->trail);
     for (int k = t->starts->count - 1; k >= 0; k--) {
         const saltus_branch_start *start = &t->starts->start[k];
-        double value = t->orbits.origin + t->orbits.family.unit[0] * start->parameter;
+        double value = t->orbits.origin + t->orbits.family.unit[0] * start->parameter[0];
         if (start->place == 0 && start->origin == point->kind && start->sequence.periods == point->periods &&
             fabs(value - point->value[0]) < 1e-7 * t->orbits.family.unit[0])
             saltus_starts_remove(t->starts, k);
@@ -112,7 +113,7 @@ bool saltus_trace_joins_part(saltus_trace *t, const saltus_solution *at, const s
     if (part < periods) {
         const long long impacts = beyond->survey.impacts;
         saltus_orbit_label(impacts < 0 ? impacts : impacts * part / periods, part, after);
-        start.parameter = beyond->parameter[0];
+        start.parameter[0] = beyond->parameter[0];
         start.origin = SALTUS_POINT_CH;
         memcpy(state, beyond->survey.lap.points, (size_t)o->n * sizeof *state);
         start.state = state;
@@ -137,23 +138,28 @@ void saltus_trace_follow_joined(saltus_trace *t, const saltus_solution *at, salt
     saltus_status status = saltus_orbits_open(&own, NULL);
     if (status == SALTUS_OK)
         status = saltus_special_between(o, &own, at, kind == SALTUS_POINT_BP, &between);
+    double *states = NULL;
+    if (status == SALTUS_OK)
+        status = saltus_solution_states_at(o, &between, &between.sequence, &states, NULL);
     if (status == SALTUS_OK && saltus_solution_walk(&own, &between) && between.survey.walked) {
-        saltus_sequence_turn(&between.sequence, between.sequence.base, 1, &start.sequence, NULL);
-        start.parameter = between.parameter[0];
-        start.state = between.state;
-        start.states = o->n;
+        start.sequence = between.sequence;
+        start.parameter[0] = between.parameter[0];
+        start.state = states;
+        start.states = start.sequence.cuts * o->n;
         start.tangent = between.at.tangent;
         start.unknowns = between.at.unknowns;
         start.origin = kind;
         add_joined(t, &between, &start, NULL, value);
     }
     o->starved |= status == SALTUS_NO_MEMORY || own.starved;
+    free(states);
     saltus_solution_clear(&between);
     saltus_orbits_close(&own);
 }
 
 void saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, bool images) {
     const double little = 1e-6;
+    saltus_orbits *o = &t->orbits;
     saltus_branch_start start = saltus_trail_leaving(t->trail);
     saltus_sequence changed, sequences[2];
     if (!saltus_trail_switches(t->trail))
@@ -170,17 +176,17 @@ void saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, boo
             touch.value = 0;
             saltus_sequence_graze(&before, &touch, 1, &changed, NULL);
         }
-        changed.cuts = 1;
-        if (!images)
-            changed = saltus_sequence_first_half(&changed);
-        saltus_sequence_turn(&changed, changed.base, 1, &sequences[k], NULL);
+        sequences[k] = images ? changed : saltus_sequence_first_half(&changed);
+        saltus_solution_cuts(at, &sequences[k]);
     }
-    if (sequences[0].count == sequences[1].count)
-        return;
+    double *states;
+    const saltus_status status = saltus_solution_states_at(o, at, &sequences[0], &states, NULL);
     start.sequence = sequences[0];
-    start.parameter = at->parameter[0];
-    start.state = at->state;
-    start.states = t->orbits.n;
+    start.parameter[0] = at->parameter[0];
+    start.state = states;
+    start.states = start.sequence.cuts * o->n;
     start.origin = SALTUS_POINT_GR;
-    add_joined(t, at, &start, sequences, at->value);
+    if (saltus_orbits_noted(o, status) == SALTUS_OK && sequences[0].count != sequences[1].count)
+        add_joined(t, at, &start, sequences, at->value);
+    free(states);
 }

@@ -56,7 +56,7 @@ static void add_starts(saltus_trace *t, const saltus_solution *at, saltus_point_
 
 /* The requested locus begins at `at`; no more of this branch is needed. `beyond` as for its start. */
 static void find(saltus_trace *t, const saltus_solution *at, const saltus_sequence *beyond) {
-    t->found = saltus_locus_start_at(t->trail->options->locus, at, beyond);
+    saltus_locus_starts_begin(&t->orbits, t->trail->options->locus, at, beyond, t->found);
     t->trail->following = false;
 }
 
