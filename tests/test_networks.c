@@ -523,6 +523,23 @@ static void curves_begin_where_the_base_tells_nothing(void **unused) {
     check_network_as(&network, 0, NULL, true);
 }
 
+/* The last impacts of a long run have hardly a speed all along a curve of folds of orbits that are their own
+ * mirror images, so that rounding hides where it falls to zero: that is told by the curve of their grazing.
+ */
+static void folds_meet_grazing_within_rounding(void **unused) {
+    (void)unused;
+    const network network = {"duffing",
+                             "F=0.49 omega=0.305 d=0.793 c=0.08 r=0.26 sides=both",
+                             SALTUS_POINT_LP,
+                             {"F", "omega"},
+                             {0.4, 0.29},
+                             {0.5, 0.31},
+                             0,
+                             {0.1, 0.04},
+                             1};
+    check_network(&network, 0, NULL);
+}
+
 /* All impacts in several periods lose their speed at once where a free vibration comes back after so many
  * periods of a motion that touches the stop. Near there the flow forgets the orbits, and their equations lead
  * nowhere. */
@@ -826,6 +843,7 @@ int main(void) {
         cmocka_unit_test(doubled_orbits_pass_no_other_grazing),
         cmocka_unit_test(curves_begin_where_perturbations_grow),
         cmocka_unit_test(curves_begin_where_the_base_tells_nothing),
+        cmocka_unit_test(folds_meet_grazing_within_rounding),
         cmocka_unit_test(impacts_fade_at_a_resonance),
         cmocka_unit_test(orbits_fade_where_vibrations_turn_round),
         cmocka_unit_test(places_are_as_good_as_stated),

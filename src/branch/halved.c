@@ -9,6 +9,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/join.h"
 
+#include "branch/locus_starts.h"
 #include "branch/sequence.h"
 
 #include <math.h>
@@ -23,7 +24,8 @@ typedef struct shorter {
     saltus_point_kind kind; /* the kind of point that is sought */
     double apart;           /* width of the differences for it */
     double exponent;        /* of the determinant for it */
-    int parts;    /* R4: after how many of these orbits a free vibration comes back or turns round */
+    int parts; /* at grazing: how many of these orbits are one of the curve; R4: after them a free vibration
+                  comes back or turns round */
     bool without; /* GR-PD: it is the orbit without the grazing impact that flips */
 } shorter;
 
@@ -106,9 +108,10 @@ static bool test_at(void *context, double ahead, double *value) {
 /* s->at becomes the zero of the test near s->on, where the test is almost linear; *doubt as for
  * saltus_locus_doubt, or NULL. False if there is none. */
 static bool find_zero(shorter *s, double *doubt) {
-    const bool turns = s->kind == SALTUS_POINT_R4; /* as the period changes: evenly */
-    const int rounds = turns ? 8 : 4;
-    const double first = 1e-5, farthest = turns ? 2e-2 : 1e-3, still = 1e-9;
+    /* As the period changes free vibrations turn evenly; and long orbits change much with the parameters. */
+    const bool far = s->parts == 1 || s->kind == SALTUS_POINT_R4;
+    const int rounds = far ? 8 : 4;
+    const double first = 1e-5, farthest = far ? 2e-2 : 1e-3, still = 1e-9;
     double place = 0, begin = NAN, value = NAN;
     bool found = test_at(s, first, &value) && test_at(s, place, &begin);
     const double slope = (value - begin) / first;
@@ -285,7 +288,7 @@ static int lay_together(const saltus_sequence *whole, int parts, int slow, saltu
 static bool finish(saltus_extended *x, shorter *s, bool opened, double farthest, saltus_locus_point *at) {
     double doubt = NAN;
     const int c = opened ? s->x.orbits.equations->count : 0;
-    const bool found = opened && find_zero(s, &doubt) &&
+    const bool found = opened && find_zero(s, &doubt) && (s->parts != 1 || isfinite(doubt)) &&
                        hypot(s->at.u[c] - s->u[c], s->at.u[c + 1] - s->u[c + 1]) < farthest &&
                        go_through(x, s, s->at.u, at);
     if (found)
@@ -294,16 +297,21 @@ static bool finish(saltus_extended *x, shorter *s, bool opened, double farthest,
     return found;
 }
 
+/* The breach of the slowest impact; NULL: there is none. */
+static const saltus_breach *slowest_of(const saltus_solution *s) {
+    const saltus_breach *slowest = NULL;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && (!slowest || s->breaches[k].value > slowest->value))
+            slowest = &s->breaches[k];
+    return slowest;
+}
+
 bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, double farthest,
                          saltus_locus_point *at) {
     const double alike = 1e-5, near = 1e-6;
-    const saltus_breach *touch = NULL;
+    const saltus_breach *touch = slowest_of(&at->orbit);
     saltus_sequence once;
     shorter s;
-    for (int k = 0; k < at->orbit.breach_count; k++)
-        if (at->orbit.breaches[k].kind == SALTUS_BREACH_SPEED &&
-            (!touch || at->orbit.breaches[k].value > touch->value))
-            touch = &at->orbit.breaches[k];
     const saltus_sequence *whole = &at->orbit.sequence;
     const int given = parts > 1 ? parts : 1;
     parts = given > 1 ? given : 2;
@@ -329,6 +337,29 @@ bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, 
     return found;
 }
 
+bool saltus_halved_still(saltus_extended *x, saltus_point_kind kind, double farthest,
+                         saltus_locus_point *at) {
+    const double slow = 1e-5;
+    const saltus_breach *touch = slowest_of(&at->orbit);
+    const bool grazes = x->kind == SALTUS_POINT_GR;
+    saltus_sequence whole = at->orbit.sequence;
+    shorter s;
+    if (!touch || !(touch->value > saltus_corner_breach(x, &at->orbit) - slow))
+        return false;
+    const saltus_mark *own = &at->orbit.sequence.mark[x->mark];
+    const saltus_breach same = {.face = own->face, .time = own->time};
+    const int mark =
+        grazes ? saltus_locus_starts_grazing(&x->orbits, &at->orbit, &same, &whole) : touch->mark;
+    if (mark < 0 || whole.periods != at->orbit.sequence.periods)
+        return false;
+    saltus_solution_cuts(&at->orbit, &whole);
+    const bool opened = open_shorter(&s, x, at, &whole, SALTUS_POINT_GR, mark, grazes || x->mirrored);
+    s.kind = kind;
+    s.without = whole.count > at->orbit.sequence.count;
+    s.parts = 1;
+    return finish(x, &s, opened, farthest, at);
+}
+
 bool saltus_halved_double(saltus_extended *x, saltus_point_kind kind, saltus_locus_point *at) {
     const saltus_sequence whole = at->orbit.sequence;
     shorter s;
@@ -342,7 +373,9 @@ bool saltus_halved_ahead(saltus_extended *x, saltus_point_kind kind, int parts, 
                          const saltus_locus_point *here, saltus_locus_point *at) {
     const bool room = saltus_curve_copy(&here->at, &at->at);
     x->orbits.starved |= !room;
-    return room && saltus_locus_see_orbit(x, at) && saltus_halved_touch(x, kind, parts, INFINITY, at) &&
+    return room && saltus_locus_see_orbit(x, at) &&
+           (parts == 1 ? saltus_halved_still(x, kind, INFINITY, at)
+                       : saltus_halved_touch(x, kind, parts, INFINITY, at)) &&
            saltus_locus_leads(x, here, near, at);
 }
 

@@ -120,7 +120,7 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
      * may show its slope there, but its zero is elsewhere. */
     if (count_slow(&at->orbit) > 1)
         at->doubt = NAN;
-    if (at->doubt <= trusted)
+    if (at->doubt <= trusted || saltus_halved_still(x, at->corners[0].kind, far, at))
         return;
     double spread, least = INFINITY, second = INFINITY, ahead = place, doubt = INFINITY;
     double *u = x->kept, *located = u + m, *other = u + 2 * m;
@@ -228,7 +228,8 @@ static bool locate_join(saltus_extended *x, saltus_point_kind kind, int parts, c
     const double close = 1e-9, slack = 100;
     memcpy(at->at.u, u, (size_t)x->equations.unknowns * sizeof *u);
     return saltus_locus_see_orbit(x, at) &&
-           saltus_halved_touch(x, kind, parts, fmax(close, slack * least), at);
+           (parts == 1 ? saltus_halved_still(x, kind, fmax(close, slack * least), at)
+                       : saltus_halved_touch(x, kind, parts, fmax(close, slack * least), at));
 }
 
 /* The kind of place at which a curve of grazing joins shorter orbits, `at`. */
@@ -251,7 +252,7 @@ saltus_point_kind saltus_locus_join_near(saltus_extended *x, saltus_locus_point 
 saltus_point_kind saltus_locus_join(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {
     static const double apart[] = {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5};
     enum { spacings = sizeof apart / sizeof apart[0] };
-    const double sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11;
+    const double sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11, near = 1e-4;
     const size_t size = (size_t)here->at.unknowns * sizeof(double);
     saltus_point_kind kind = SALTUS_POINT_REGULAR;
     int parts;
@@ -275,13 +276,15 @@ saltus_point_kind saltus_locus_join(saltus_extended *x, saltus_locus_point *here
         memcpy(u, at->at.u, size);
         kind = kind_of_join(x, &at->orbit, parts);
     }
-    if (kind && !(parts > 1 && locate_join(x, kind, parts, u, least, at))) {
+    if (kind && !locate_join(x, kind, parts, u, least, at)) {
         memcpy(at->at.u, u, size);
         sharpen_join(x, here, parts, least, at);
         saltus_locus_survey_orbit(x, at);
     }
     if (kind)
         at->at.ahead = ahead;
+    if (!kind && parts == 1 && saltus_halved_ahead(x, SALTUS_POINT_GR_BP, 1, near, here, at))
+        kind = kind_of_join(x, &at->orbit, parts);
     return kind;
 }
 
@@ -327,7 +330,8 @@ bool saltus_locus_fade(saltus_extended *x, saltus_locus_point *here, saltus_locu
         return false;
     /* Where the equations fail only very near the end, that is not seen from afar. */
     if (!seek_end(x, here, BY_ROOT, 0, sharp, at))
-        return saltus_halved_ahead(x, SALTUS_POINT_GR_LP, 0, near, here, at);
+        return saltus_halved_ahead(x, SALTUS_POINT_GR_LP, 0, near, here, at) ||
+               saltus_halved_ahead(x, here->corners[0].kind, 1, near, here, at);
     saltus_halved_touch(x, SALTUS_POINT_GR_LP, 0, INFINITY, at);
     return true;
 }

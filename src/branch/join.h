@@ -65,7 +65,11 @@ saltus_point_kind saltus_halved_tell(saltus_extended *extended, bool mirrored, s
  * saltus_locus_doubt. Otherwise, or where that is farther away in the plane, false. */
 bool saltus_halved_touch(saltus_extended *extended, saltus_point_kind kind, int parts, double farthest,
                          saltus_locus_point *at);
-/* The same for the orbit `here` of a curve that leads there, no farther away in the plane than `near`. */
+/* The same for one part: `at` is an orbit of the curve itself, with an impact that has almost lost its speed,
+ * and `kind` the function that the curve of its grazing has (corner.h). */
+bool saltus_halved_still(saltus_extended *extended, saltus_point_kind kind, double farthest,
+                         saltus_locus_point *at);
+/* Either, for the orbit `here` of a curve that leads there, no farther away in the plane than `near`. */
 bool saltus_halved_ahead(saltus_extended *extended, saltus_point_kind kind, int parts, double near,
                          const saltus_locus_point *here, saltus_locus_point *at);
 /* The orbit `at`, known to some digits, at which the pair of a curve of tori meets, R1 or R2, becomes the

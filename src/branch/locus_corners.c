@@ -267,7 +267,7 @@ static bool insert(saltus_locus_zeros *found, const struct saltus_locus_zero *ze
 bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *here,
                                const saltus_locus_point *next, saltus_locus_point *scratch,
                                saltus_locus_zeros *found) {
-    const double together = 1e-6, jump = 1e-8;
+    const double together = 1e-6, jump = 1e-8, noise = x->kind == SALTUS_POINT_GR ? 1e-9 : 1e-12;
     double ends = INFINITY;
     search s = {.x = x, .here = here, .next = next, .out = scratch};
     const sample first = sample_of(here, 0), last = sample_of(next, next->at.ahead);
@@ -292,7 +292,7 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
             from = to;
             /* The first function is the breach, which may begin with a jump where a maximum of the gap
              * appears. */
-            if (k == 0 && (located || end > 1e-9))
+            if (k == 0 && (located || end > noise))
                 sound = located && corner_at(&s, zero.place, &value) && fabs(value) < jump &&
                         !saltus_locus_joins_at(x, here, scratch);
             if (!located || !sound || zero.place >= ends - together)
