@@ -540,6 +540,22 @@ static void folds_meet_grazing_within_rounding(void **unused) {
     check_network(&network, 0, NULL);
 }
 
+/* Beyond a long run of impacts rounding hides how orbits differ from their mirror images: where a curve of
+ * grazing comes to such orbits is told by the curve of these alone. */
+static void grazing_joins_images_within_rounding(void **unused) {
+    (void)unused;
+    const network network = {"duffing",
+                             "F=0.448 omega=0.305 d=0.617 c=0.13 r=0.378 sides=both",
+                             SALTUS_POINT_PD,
+                             {"F", "omega"},
+                             {0.444, 0.304},
+                             {0.467, 0.347},
+                             1,
+                             {0.1, 0.05},
+                             -1};
+    check_network_as(&network, 0, NULL, true);
+}
+
 /* All impacts in several periods lose their speed at once where a free vibration comes back after so many
  * periods of a motion that touches the stop. Near there the flow forgets the orbits, and their equations lead
  * nowhere. */
@@ -844,6 +860,7 @@ int main(void) {
         cmocka_unit_test(curves_begin_where_perturbations_grow),
         cmocka_unit_test(curves_begin_where_the_base_tells_nothing),
         cmocka_unit_test(folds_meet_grazing_within_rounding),
+        cmocka_unit_test(grazing_joins_images_within_rounding),
         cmocka_unit_test(impacts_fade_at_a_resonance),
         cmocka_unit_test(orbits_fade_where_vibrations_turn_round),
         cmocka_unit_test(places_are_as_good_as_stated),

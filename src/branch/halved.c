@@ -108,10 +108,11 @@ static bool test_at(void *context, double ahead, double *value) {
 /* s->at becomes the zero of the test near s->on, where the test is almost linear; *doubt as for
  * saltus_locus_doubt, or NULL. False if there is none. */
 static bool find_zero(shorter *s, double *doubt) {
-    /* As the period changes free vibrations turn evenly; and long orbits change much with the parameters. */
-    const bool far = s->parts == 1 || s->kind == SALTUS_POINT_R4;
+    /* As the period changes free vibrations turn evenly; and long orbits change much with the parameters, and
+     * are known less well, which *doubt tells. */
+    const bool own = s->parts == 1, far = own || s->kind == SALTUS_POINT_R4;
     const int rounds = far ? 8 : 4;
-    const double first = 1e-5, farthest = far ? 2e-2 : 1e-3, still = 1e-9;
+    const double first = 1e-5, farthest = far ? 2e-2 : 1e-3, still = own ? 1e-6 : 1e-9;
     double place = 0, begin = NAN, value = NAN;
     bool found = test_at(s, first, &value) && test_at(s, place, &begin);
     const double slope = (value - begin) / first;
@@ -371,12 +372,16 @@ bool saltus_halved_double(saltus_extended *x, saltus_point_kind kind, saltus_loc
 
 bool saltus_halved_ahead(saltus_extended *x, saltus_point_kind kind, int parts, double near,
                          const saltus_locus_point *here, saltus_locus_point *at) {
-    const bool room = saltus_curve_copy(&here->at, &at->at);
+    const bool hidden = parts == 1 && x->kind == SALTUS_POINT_GR,
+               room = saltus_curve_copy(&here->at, &at->at);
     x->orbits.starved |= !room;
-    return room && saltus_locus_see_orbit(x, at) &&
-           (parts == 1 ? saltus_halved_still(x, kind, INFINITY, at)
-                       : saltus_halved_touch(x, kind, parts, INFINITY, at)) &&
-           saltus_locus_leads(x, here, near, at);
+    if (!room || !saltus_locus_see_orbit(x, at) ||
+        !(parts == 1 ? saltus_halved_still(x, kind, hidden ? near : INFINITY, at)
+                     : saltus_halved_touch(x, kind, parts, INFINITY, at)))
+        return false;
+    const bool leads = saltus_locus_leads(x, here, near, at);
+    at->at.ahead = leads ? at->at.ahead : 0;
+    return leads || hidden;
 }
 
 bool saltus_halved_resonates(saltus_extended *x, const saltus_locus_point *here, saltus_locus_point *at) {

@@ -239,20 +239,30 @@ static saltus_point_kind kind_of_join(const saltus_extended *x, const saltus_sol
                                                         : SALTUS_POINT_GR_BP;
 }
 
+/* Beyond a long run of impacts rounding hides at the base how an orbit differs from its mirror image, and
+ * moves the place where they become one this far in the plane. */
+static const double far_hidden = 1e-3;
+
+static bool is_hidden(saltus_extended *x, const saltus_solution *s) {
+    const double hidden = 1e-6;
+    return !x->mirrored && saltus_solution_part_distance(&x->orbits, s, 1, NULL) < hidden;
+}
+
 saltus_point_kind saltus_locus_join_near(saltus_extended *x, saltus_locus_point *at) {
     const double small = 1e-3, near = 1e-6;
     int parts = x->kind == SALTUS_POINT_GR ? at->orbit.sequence.periods : 0;
     while (parts > 1 && !(saltus_solution_part_distance(&x->orbits, &at->orbit, parts, NULL) < small))
         parts--;
-    return parts > 1 && saltus_halved_touch(x, SALTUS_POINT_GR_PD, parts, near, at)
-               ? kind_of_join(x, &at->orbit, parts)
-               : SALTUS_POINT_REGULAR;
+    const bool joins = parts > 1 ? saltus_halved_touch(x, SALTUS_POINT_GR_PD, parts, near, at)
+                                 : parts == 1 && is_hidden(x, &at->orbit) &&
+                                       saltus_halved_still(x, SALTUS_POINT_GR_BP, far_hidden, at);
+    return joins ? kind_of_join(x, &at->orbit, parts) : SALTUS_POINT_REGULAR;
 }
 
 saltus_point_kind saltus_locus_join(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {
     static const double apart[] = {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5};
     enum { spacings = sizeof apart / sizeof apart[0] };
-    const double sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11, near = 1e-4;
+    const double sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11;
     const size_t size = (size_t)here->at.unknowns * sizeof(double);
     saltus_point_kind kind = SALTUS_POINT_REGULAR;
     int parts;
@@ -283,8 +293,9 @@ saltus_point_kind saltus_locus_join(saltus_extended *x, saltus_locus_point *here
     }
     if (kind)
         at->at.ahead = ahead;
-    if (!kind && parts == 1 && saltus_halved_ahead(x, SALTUS_POINT_GR_BP, 1, near, here, at))
-        kind = kind_of_join(x, &at->orbit, parts);
+    if (!kind && is_hidden(x, &here->orbit) &&
+        saltus_halved_ahead(x, SALTUS_POINT_GR_BP, 1, far_hidden, here, at))
+        kind = kind_of_join(x, &at->orbit, 1);
     return kind;
 }
 

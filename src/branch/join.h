@@ -66,10 +66,12 @@ saltus_point_kind saltus_halved_tell(saltus_extended *extended, bool mirrored, s
 bool saltus_halved_touch(saltus_extended *extended, saltus_point_kind kind, int parts, double farthest,
                          saltus_locus_point *at);
 /* The same for one part: `at` is an orbit of the curve itself, with an impact that has almost lost its speed,
- * and `kind` the function that the curve of its grazing has (corner.h). */
+ * and `kind` the function that the curve of its grazing has (corner.h); on a curve of grazing it is all but
+ * its own mirror image, and becomes one, on the curve of these. */
 bool saltus_halved_still(saltus_extended *extended, saltus_point_kind kind, double farthest,
                          saltus_locus_point *at);
-/* Either, for the orbit `here` of a curve that leads there, no farther away in the plane than `near`. */
+/* Either, for the orbit `here` of a curve that leads there, no farther away in the plane than `near`. A curve
+ * of grazing whose orbits cannot be told from their mirror images (parts = 1) may have passed the place. */
 bool saltus_halved_ahead(saltus_extended *extended, saltus_point_kind kind, int parts, double near,
                          const saltus_locus_point *here, saltus_locus_point *at);
 /* The orbit `at`, known to some digits, at which the pair of a curve of tori meets, R1 or R2, becomes the
