@@ -170,57 +170,6 @@ static int may_join(saltus_extended *x, const saltus_solution *s) {
     return halves ? 2 : 0;
 }
 
-/* Along the curve of the shorter orbits: the determinant that is zero where another curve crosses. */
-typedef struct crossing {
-    saltus_extended *x;
-    saltus_curve_point from;
-    saltus_locus_point *at;
-    int parts;
-    double exponent;
-} crossing;
-
-static bool crosses_at(void *context, double ahead, double *value) {
-    const double alike = 1e-8;
-    crossing *c = context;
-    const saltus_status status = saltus_curve_visit(&c->x->equations, &c->from, ahead, &c->at->at, NULL);
-    const bool found =
-        saltus_orbits_noted(&c->x->orbits, status) == SALTUS_OK && saltus_locus_see_orbit(c->x, c->at);
-    if (isnan(c->exponent))
-        c->exponent = c->at->at.crossing.exponent;
-    *value = saltus_scaled_in(c->at->at.crossing, c->exponent);
-    return found && saltus_solution_part_distance(&c->x->orbits, &c->at->orbit, c->parts, NULL) < alike;
-}
-
-/* Locate the place `at`, known to `least`, where the curve of `here` joins that of shorter orbits by the
- * equations of these, which solve those of the longer ones, too: from both sides of it along their curve,
- * where the equations are regular. It stays as it is if that fails. */
-static void sharpen_join(saltus_extended *x, const saltus_locus_point *here, int parts, double least,
-                         saltus_locus_point *at) {
-    static const double apart[] = {1e-2, 5e-3, 3e-3, 2e-3};
-    const double tolerance = 1e-13, usual = x->equations.tolerance, far = 1e-5, clear = 1e-4;
-    const int m = here->at.unknowns;
-    const size_t size = (size_t)m * sizeof(double);
-    double singular, spread, ahead, *work = x->points, *best = x->kept, *start = best + m;
-    crossing c = {.x = x, .from = here->at, .at = at, .parts = parts, .exponent = NAN};
-    c.from.u = memcpy(start, at->at.u, size);
-    c.from.tangent = start + m;
-    c.from.bent = false;
-    memcpy(best, start, size);
-    x->equations.tolerance = tolerance;
-    const saltus_status status =
-        saltus_curve_leaving(&x->equations, start, here->at.tangent, c.from.tangent, &singular, NULL);
-    for (int k = 0; k < 4 && status == SALTUS_OK && singular < clear; k++)
-        if (saltus_curve_cross(crosses_at, &c, &c.from, &at->at, 0, apart[k], true, work, &ahead, &spread) &&
-            spread < least && hypot(work[m - 1] - start[m - 1], work[m - 2] - start[m - 2]) < far) {
-            least = spread;
-            memcpy(best, work, size);
-        }
-    x->equations.tolerance = usual;
-    at->doubt = least;
-    memcpy(at->at.u, best, size);
-    saltus_orbits_noted(&x->orbits, status);
-}
-
 /* Locate the place of unknowns u, known to `least`, where the curve joins that of orbits of half the period
  * or less, by the equations of these alone, as a point of this kind. False if that fails. */
 static bool locate_join(saltus_extended *x, saltus_point_kind kind, int parts, const double *u, double least,
@@ -288,7 +237,7 @@ saltus_point_kind saltus_locus_join(saltus_extended *x, saltus_locus_point *here
     }
     if (kind && !locate_join(x, kind, parts, u, least, at)) {
         memcpy(at->at.u, u, size);
-        sharpen_join(x, here, parts, least, at);
+        at->doubt = least;
         saltus_locus_survey_orbit(x, at);
     }
     if (kind)
