@@ -5,7 +5,8 @@
  * the zero of a function along it: the flip's criticality, a multiplier minus 1, the squared modulus of a
  * pair minus 1, the product of the null vectors. CP, where the folding orbits become their own mirror images,
  * is the zero of the criticality along the curve of branch points of such orbits. R4 is where the curve of
- * tori of the shorter orbits has the angle pi/2, which is an unknown there.
+ * tori of the shorter orbits has the angle pi/2, which is an unknown there. Where an impact loses its speed
+ * the end lies on the curve of that grazing, of shorter orbits or of the same.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/join.h"
 

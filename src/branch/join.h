@@ -9,10 +9,10 @@
  * half a period later, up to a remainder (a speed or a gap) that falls to zero. In the same way it may join a
  * curve of symmetric orbits at a branch point of these. The equations are singular there, but the curve
  * depends smoothly on the remainder or, where several impacts die at once and the remainder is of second
- * order, on their speeds. The place so known is then located along the curve of the shorter orbits, which
- * solve the same equations: there the determinant changes its sign. GR-PD or GR-BP if the curve so joins
- * another one just ahead of `here`, at `at`; GR-GR if another impact of the shorter orbits grazes too, or if
- * their period is a third or less; REGULAR otherwise. On curves of other kinds it is the result of
+ * order, on their speeds. The place so known is then located along the curve of the shorter orbits
+ * (halved.c), where that can be; beyond a long run of impacts it is only known so. GR-PD or GR-BP if the
+ * curve joins another one just ahead of `here`, at `at`; GR-GR if another impact of the shorter orbits grazes
+ * too, or if their period is a third or less; REGULAR otherwise. On curves of other kinds it is the result of
  * saltus_locus_join_halves. */
 saltus_point_kind saltus_locus_join(saltus_extended *extended, saltus_locus_point *here,
                                     saltus_locus_point *at);
@@ -21,8 +21,9 @@ saltus_point_kind saltus_locus_join(saltus_extended *extended, saltus_locus_poin
  * shorter orbits have very near, if there is one. */
 saltus_point_kind saltus_locus_join_near(saltus_extended *extended, saltus_locus_point *at);
 /* Where a curve of special orbits ends as an impact has lost its speed, at `at`, located ahead of `here`,
- * several may have, and the equations be singular: then `at` becomes the place that the curve before it leads
- * to, where that is told sharper. All places found here get their doubt. */
+ * several may have, and the equations be singular: then `at` becomes the place that the curve of the impact's
+ * grazing has there, or else that the curve before it leads to, where that is told sharper. All places found
+ * here get their doubt. */
 void saltus_locus_sharpen_end(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at);
 /* Where several impacts lose their speed at once, the equations of other curves become singular and lead
  * nowhere; but these curves depend smoothly on the root of that speed. Whether the curve of `here` ends so
