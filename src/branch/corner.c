@@ -66,46 +66,23 @@ double saltus_corner_breach(const saltus_extended *x, const saltus_solution *s) 
     return worst ? worst->value : -1;
 }
 
-/* Factor the equations last evaluated by a shooting at fixed parameters, with closing rows to which so much
- * of each of the n states at the base is added. `lu` is to be closed; false without memory. */
-static bool factor_closing(saltus_orbits *o, saltus_shooting *shooting, int n, double added,
-                           saltus_dense_lu *lu) {
-    const saltus_equations *e = saltus_shooting_equations(shooting);
-    const int c = e->count, row = saltus_shooting_closing_row(shooting);
-    double *a = calloc((size_t)(c * c), sizeof *a);
-    const bool room = a && saltus_dense_lu_open(lu, c);
-    for (int i = 0; i < c && room; i++)
-        memcpy(a + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *a);
-    for (int i = 0; i < n && room; i++)
-        a[(row + i) * c + i] += added;
-    if (room)
-        saltus_dense_factor(lu, a);
-    free(a);
-    o->starved |= !room;
-    return room;
-}
-
 int saltus_corner_multipliers(saltus_orbits *o, saltus_shooting *shooting, double *re, double *im) {
     const double shift = 0.5, infinite = 1e-9;
-    int n = o->n, c = saltus_shooting_equations(shooting)->count, row = saltus_shooting_closing_row(shooting),
-        count = 0;
-    saltus_dense_lu lu = {.n = 0};
-    double *columns = calloc((size_t)(n * c + n * n + 2 * n), sizeof *columns);
-    if (!columns || !factor_closing(o, shooting, n, 1 - shift, &lu)) {
-        o->starved = true;
-        free(columns);
-        return 0;
-    }
-    bool sound = lu.sign != 0;
-    double *inverse = columns + n * c, *real = inverse + n * n, *imaginary = real + n;
+    int n = o->n, m = saltus_shooting_equations(shooting)->unknowns,
+        row = saltus_shooting_closing_row(shooting), count = 0;
+    saltus_dense_lu *lu = saltus_shooting_factor(shooting, 1 - shift);
+    double real[SALTUS_STATE_MAX], imaginary[SALTUS_STATE_MAX],
+        largest = 0, *columns = calloc((size_t)(n * (m + n)), sizeof *columns),
+        *inverse = columns ? columns + n * m : NULL;
+    bool sound = columns && lu->sign;
+    o->starved |= !columns;
     for (int i = 0; i < n && sound; i++)
-        columns[i * c + row + i] = 1;
+        columns[i * m + row + i] = 1;
     if (sound)
-        saltus_dense_resolve(&lu, false, n, columns);
+        saltus_dense_resolve(lu, false, n, columns);
     for (int i = 0; i < n && sound; i++)
         for (int j = 0; j < n; j++)
-            inverse[i * n + j] = columns[j * c + i];
-    double largest = 0;
+            inverse[i * n + j] = columns[j * m + i];
     sound = sound && saltus_dense_eigenvalues(inverse, n, real, imaginary);
     for (int i = 0; i < n && sound; i++)
         largest = fmax(largest, hypot(real[i], imaginary[i]));
@@ -116,7 +93,6 @@ int saltus_corner_multipliers(saltus_orbits *o, saltus_shooting *shooting, doubl
         re[count] = shift + real[i] / square;
         im[count++] = -imaginary[i] / square;
     }
-    saltus_dense_lu_close(&lu);
     free(columns);
     return count;
 }
@@ -149,14 +125,6 @@ void saltus_corner_still(const saltus_orbits *o, saltus_shooting *shooting, int 
     e->jacobian[entry * e->unknowns + entry] = 0;
 }
 
-saltus_scaled saltus_corner_closing(saltus_orbits *o, saltus_shooting *shooting, bool flips) {
-    saltus_dense_lu lu = {.n = 0};
-    factor_closing(o, shooting, flips ? o->n : 0, 2, &lu);
-    const saltus_scaled value = {lu.sign, lu.log_modulus};
-    saltus_dense_lu_close(&lu);
-    return value;
-}
-
 enum { of_fold, of_flip, of_pair, of_orbit };
 
 /* The functions of the orbit last evaluated by the shooting, on a curve of grazing, at fixed parameters: the
@@ -170,8 +138,8 @@ static void measure_orbit(saltus_orbits *o, saltus_shooting *shooting, saltus_lo
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], size = 0, angle = 0, least = INFINITY;
     const int all = saltus_corner_multipliers(o, shooting, re, im);
     int count = 0;
-    tests[of_fold].value = saltus_corner_closing(o, shooting, false);
-    tests[of_flip].value = saltus_corner_closing(o, shooting, true);
+    tests[of_fold].value = saltus_orbits_closing(shooting, false);
+    tests[of_flip].value = saltus_orbits_closing(shooting, true);
     for (int i = 0; i < all; i++) {
         if (hypot(re[i], im[i]) > infinite)
             continue;

@@ -64,9 +64,6 @@ saltus_point_kind saltus_corner_tell(saltus_extended *extended, const saltus_loc
  * evaluated: what they have is a residual, which would count where other impacts after it lose its effects.
  */
 void saltus_corner_still(const saltus_orbits *orbits, saltus_shooting *shooting, int mark);
-/* The determinant of the equations last evaluated by a shooting at fixed parameters: zero at a fold. `flips`:
- * for an orbit that closes on minus its beginning, zero at a flip. */
-saltus_scaled saltus_corner_closing(saltus_orbits *orbits, saltus_shooting *shooting, bool flips);
 /* The finite multipliers of the orbit last evaluated by a shooting; returns their number, at most n. At
  * grazing one multiplier is infinite, so the eigenvalues 1 / (mu - shift) of the inverse of the shifted
  * equations are computed. */

@@ -103,6 +103,11 @@ void saltus_solution_head(saltus_solution *s, double heading) {
         saltus_curve_turn(&s->at);
 }
 
+saltus_scaled saltus_orbits_closing(saltus_shooting *shooting, bool flips) {
+    const saltus_dense_lu *lu = saltus_shooting_factor(shooting, flips ? 2 : 0);
+    return (saltus_scaled){lu->sign, lu->log_modulus};
+}
+
 saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
     const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &s->breach_count);
     if (s->breach_count > s->breach_room) {
@@ -128,11 +133,8 @@ saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_m
         if (breaches[k].value > s->worst.value)
             s->worst = breaches[k];
     }
-    if (o->family.parameters == 1) {
-        int sign;
-        saltus_shooting_flip(o->shooting, &sign, &s->flip.exponent);
-        s->flip.mantissa = sign;
-    }
+    if (o->family.parameters == 1)
+        s->flip = saltus_orbits_closing(o->shooting, true);
     s->survey.follows = s->survey.walked = false;
     s->survey.label[0] = 0;
     s->survey.past_place = 0;

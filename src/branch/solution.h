@@ -35,8 +35,7 @@ typedef struct saltus_solution {
     saltus_sequence sequence;       /* with the event times of this orbit */
     double state[SALTUS_STATE_MAX]; /* at its base */
     double parameter[2], value;     /* `value` of the first parameter */
-    saltus_scaled flip;   /* determinant of the equations with x(pT) + x(0) for x(pT) - x(0): zero where a
-                             multiplier is -1, and smooth through grazing */
+    saltus_scaled flip;             /* saltus_orbits_closing, zero where a multiplier is -1 */
     double onward, speed; /* if the period is an unknown: speed of the flow across the anchor's hyperplane,
                              and in all directions, in units of that at the anchor */
     double growth;        /* greatest growth of perturbations over a segment */
@@ -101,6 +100,9 @@ double saltus_solution_way(const saltus_solution *solution);
 /* Whether an orbit whose period is an unknown is really an equilibrium, which closes after any time: it
  * hardly moves, absolutely or compared with an orbit `near` it (may be NULL). */
 bool saltus_solution_rests(const saltus_solution *solution, const saltus_solution *near);
+/* The determinant of the equations last evaluated by a shooting at fixed parameters: zero at a fold. `flips`:
+ * for an orbit that closes on minus its beginning, zero at a flip, and smooth through grazing. */
+saltus_scaled saltus_orbits_closing(saltus_shooting *shooting, bool flips);
 /* Fill in everything but tangent and survey from the shooting's last evaluation, at out->at.u. */
 saltus_status saltus_solution_see(saltus_orbits *orbits, saltus_solution *out, saltus_message *message);
 /* The point of the curve at arclength `ahead` from another. False if there is no such point near. */

@@ -254,16 +254,15 @@ void saltus_shooting_extract(const saltus_shooting *p, const double *u, saltus_s
         sequence->omega = saltus_shooting_omega(p, u);
 }
 
-/* The determinant for an orbit that closes with the opposite sign, the parameter fixed. */
-void saltus_shooting_flip(saltus_shooting *p, int *sign, double *log_determinant) {
+saltus_dense_lu *saltus_shooting_factor(saltus_shooting *p, double added) {
     saltus_equations *e = &p->equations;
-    int m = e->unknowns, row = saltus_shooting_closing_row(p);
+    const int m = e->unknowns, row = saltus_shooting_closing_row(p);
     memcpy(e->matrix, e->jacobian, (size_t)(p->count * m) * sizeof(double));
-    for (int j = 0; j < m; j++)
-        e->matrix[p->count * m + j] = j == p->count;
+    for (int i = p->count; i < m; i++)
+        for (int j = 0; j < m; j++)
+            e->matrix[i * m + j] = i == j;
     for (int i = 0; i < p->n; i++)
-        e->matrix[(row + i) * m + i] += 2;
+        e->matrix[(row + i) * m + i] += added;
     saltus_dense_factor(&e->lu, e->matrix);
-    *sign = e->lu.sign;
-    *log_determinant = e->lu.log_modulus;
+    return &e->lu;
 }

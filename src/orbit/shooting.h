@@ -141,8 +141,9 @@ double saltus_shooting_speed_scale(const saltus_shooting *shooting);
 /* First of the equations (as many as the dimension) that close the orbit. In their rows of the Jacobian, the
  * -1 on the diagonal of the first columns is the subtracted state at the base. */
 int saltus_shooting_closing_row(const saltus_shooting *shooting);
-/* Determinant of the equations with x(pT) + x(0) in place of x(pT) - x(0), with the one parameter fixed: zero
- * if a multiplier is -1, and smooth through grazing. */
-void saltus_shooting_flip(saltus_shooting *shooting, int *sign, double *log_determinant);
+/* The factors of the last evaluation's Jacobian with the parameters fixed, and with so much of each state at
+ * the base added in the rows that close the orbit. They are in the equations' work space; solutions have an
+ * entry for each unknown. */
+saltus_dense_lu *saltus_shooting_factor(saltus_shooting *shooting, double added);
 
 #endif
