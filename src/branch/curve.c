@@ -503,3 +503,51 @@ bool saltus_curve_cross(saltus_curve_function *function, void *context, const sa
         fabs(work[m - 1] - saltus_curve_interpolate(test, u + (ptrdiff_t)(m - 1) * samples, samples - 2));
     return true;
 }
+
+saltus_status saltus_curve_crossing(saltus_equations *e, saltus_curve_function *function, void *context,
+                                    const saltus_curve_point *from, double ahead, double reach, bool settles,
+                                    saltus_curve_point *at, double *accuracy) {
+    enum { passes = 6 };
+    /* At distance d from the place, where the equations are singular, points are known to rounding / d. */
+    const double sharp = 1e-11, rounding = 1e-14;
+    const size_t m = (size_t)from->unknowns;
+    double spread, error, apart = 0.1 * reach, *work = calloc(8 * m, sizeof *work),
+                          *best = work ? work + 7 * m : NULL;
+    bool found = false, settled = false;
+    saltus_status status = work ? SALTUS_NO_CONVERGENCE : SALTUS_NO_MEMORY;
+    *accuracy = INFINITY;
+    /* Come closer until Newton's method for a crossing converges. At an equilibrium more curves of orbits
+     * meet than two: there come closer until the result is accurate enough, or rounding, which grows towards
+     * the place, outweighs the curvature. */
+    for (int pass = 0; pass < passes && status != SALTUS_NO_MEMORY && !settled; pass++) {
+        if ((pass > 1 && !(*accuracy > sharp)) ||
+            !saltus_curve_cross(function, context, from, at, ahead, apart, true, work, &ahead, &spread))
+            break;
+        const double known = fmax(spread, rounding / fabs(apart));
+        if (pass > 1 && !(known < *accuracy))
+            break;
+        found = pass > 0;
+        *accuracy = known;
+        memcpy(best, work, m * sizeof *best);
+        if (found && settles)
+            status = saltus_curve_settle(e, work, &error);
+        double moved = 0;
+        for (size_t j = 0; j < m; j++)
+            moved = hypot(moved, work[j] - best[j]);
+        settled = status == SALTUS_OK && moved < apart;
+        if (settled) {
+            memcpy(best, work, m * sizeof *best);
+            *accuracy = error;
+        }
+        apart = pass == 0 ? fmin(4e-4, apart) : apart / 4;
+    }
+    at->ahead = 0;
+    for (size_t j = 0; j < m && found; j++) {
+        at->u[j] = best[j];
+        at->ahead += (best[j] - from->u[j]) * from->tangent[j];
+    }
+    if (found && status != SALTUS_NO_MEMORY)
+        status = saltus_equations_evaluate(e, at->u, NULL);
+    free(work);
+    return status;
+}

@@ -119,5 +119,12 @@ bool saltus_curve_zero(gsl_root_fsolver *solver, saltus_curve_function *function
 bool saltus_curve_cross(saltus_curve_function *function, void *context, const saltus_curve_point *from,
                         const saltus_curve_point *at, double middle, double apart, bool straddles,
                         double *work, double *ahead, double *spread);
+/* `at` becomes the point near `ahead` of `from` where curves cross, a zero of the function, and the equations
+ * are evaluated there. They are singular, so it is interpolated from points around it, at first a tenth of
+ * `reach` apart, and, if `settles`, found by saltus_curve_settle from there. *accuracy: of the parameter.
+ * Errors: SALTUS_NO_CONVERGENCE, SALTUS_NO_MEMORY, those of the evaluation. */
+saltus_status saltus_curve_crossing(saltus_equations *equations, saltus_curve_function *function,
+                                    void *context, const saltus_curve_point *from, double ahead, double reach,
+                                    bool settles, saltus_curve_point *at, double *accuracy);
 
 #endif

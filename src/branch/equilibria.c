@@ -189,36 +189,21 @@ static saltus_zero find_zero(sought *a) {
     return zero;
 }
 
-/* `trial` becomes the point where branches cross near `ahead` of `here`. The equations are singular there, so
- * it is interpolated from points around it, at most a tenth of the step apart. */
+/* `trial` becomes the point where branches cross near `ahead` of `here`. */
 static saltus_zero find_crossing(saltus_equilibria *e, double ahead) {
-    enum { passes = 3 };
+    const double rounding = 1e-14;
     saltus_rests *r = &e->rests;
-    saltus_curve_point *at = &e->trial->at;
+    saltus_rest *at = e->trial;
     sought a = {.e = e, .test = SALTUS_TEST_CROSSING};
-    const size_t m = (size_t)e->here->at.unknowns;
-    double spread, apart = fmin(0.1 * e->next->at.ahead, 4e-3), *work = calloc(7 * m, sizeof *work);
-    saltus_zero zero = {.ahead = ahead, .accuracy = INFINITY};
-    saltus_rests_noted(r, work ? SALTUS_OK : SALTUS_NO_MEMORY);
-    for (int pass = 0; pass < passes && work; pass++) {
-        if (!saltus_curve_cross(value_ahead, &a, &e->here->at, at, zero.ahead, apart, pass > 0, work,
-                                &zero.ahead, &spread))
-            break;
-        zero.found = pass > 0;
-        zero.accuracy = r->family.unit[0] * fmax(spread, saltus_rounding_at(apart));
-        apart = fmin(apart, 3e-4);
-    }
-    if (zero.found) {
-        memcpy(at->u, work, m * sizeof *work);
-        at->ahead = zero.ahead;
-        saltus_status status = saltus_equations_evaluate(&r->equations, at->u, NULL);
-        if (status == SALTUS_OK)
-            status = saltus_rest_see(r, e->trial, NULL);
-        zero.found = saltus_rests_noted(r, status) == SALTUS_OK;
-        at->residual = r->equations.size;
-    }
-    free(work);
-    return zero;
+    double accuracy;
+    saltus_status status = saltus_curve_crossing(&r->equations, value_ahead, &a, &e->here->at, ahead,
+                                                 e->next->at.ahead, true, &at->at, &accuracy);
+    if (status == SALTUS_OK)
+        status = saltus_rest_see(r, at, NULL);
+    at->at.residual = r->equations.size;
+    return (saltus_zero){.found = saltus_rests_noted(r, status) == SALTUS_OK,
+                         .ahead = at->at.ahead,
+                         .accuracy = r->family.unit[0] * (accuracy + rounding)};
 }
 
 /* What the starts of branches that leave at an equilibrium have in common. */

@@ -592,48 +592,13 @@ saltus_zero saltus_solution_zero(saltus_orbits *o, saltus_test test, double targ
 
 saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const saltus_solution *from,
                                      double ahead, double reach, saltus_solution *out) {
-    enum { passes = 6 };
-    const double sharp = 1e-11 * o->family.unit[0];
-    const size_t m = (size_t)from->at.unknowns;
     location l = {.orbits = o, .test = by, .from = from, .out = out, .visited = NAN};
-    double place, spread, error, apart = 0.1 * reach, middle = ahead;
-    double *work = calloc(8 * m, sizeof *work), *best = work ? work + 7 * m : NULL;
-    bool settled = false;
-    saltus_zero zero = {.accuracy = INFINITY};
-    saltus_orbits_noted(o, work ? SALTUS_OK : SALTUS_NO_MEMORY);
-    /* Come closer until Newton's method for a crossing converges. At an equilibrium more curves meet than
-     * two: there come closer until the result is accurate enough, or rounding, which grows towards the place,
-     * outweighs the curvature. */
-    for (int pass = 0; pass < passes && work && !settled && (pass < 2 || zero.accuracy > sharp); pass++) {
-        if (!saltus_curve_cross(test_at, &l, &from->at, &out->at, middle, apart, true, work, &place, &spread))
-            break;
-        double accuracy = o->family.unit[0] * fmax(spread, saltus_rounding_at(apart));
-        if (pass > 1 && !(accuracy < zero.accuracy))
-            break;
-        zero = (saltus_zero){.found = pass > 0, .ahead = place, .accuracy = accuracy};
-        memcpy(best, work, m * sizeof *best);
-        settled = pass > 0 && by == SALTUS_TEST_CROSSING &&
-                  saltus_orbits_noted(o, saltus_curve_settle(o->equations, work, &error)) == SALTUS_OK;
-        double moved = 0;
-        for (size_t j = 0; j < m && settled; j++)
-            moved = hypot(moved, work[j] - best[j]);
-        settled = settled && moved < apart;
-        if (settled) {
-            memcpy(best, work, m * sizeof *best);
-            zero.accuracy = o->family.unit[0] * error;
-            zero.ahead = 0;
-            for (size_t j = 0; j < m; j++)
-                zero.ahead += (best[j] - from->at.u[j]) * from->at.tangent[j];
-        }
-        middle = zero.ahead;
-        apart = pass == 0 ? fmin(4e-4, apart) : apart / 4;
-    }
-    if (zero.found) {
-        memcpy(out->at.u, best, m * sizeof *best);
-        out->at.ahead = zero.ahead;
-        zero.found = saltus_equations_evaluate(o->equations, out->at.u, NULL) == SALTUS_OK &&
-                     saltus_solution_see(o, out, NULL) == SALTUS_OK;
-    }
-    free(work);
-    return zero;
+    double accuracy;
+    saltus_status status = saltus_curve_crossing(o->equations, test_at, &l, &from->at, ahead, reach,
+                                                 by == SALTUS_TEST_CROSSING, &out->at, &accuracy);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, out, NULL);
+    return (saltus_zero){.found = saltus_orbits_noted(o, status) == SALTUS_OK,
+                         .ahead = out->at.ahead,
+                         .accuracy = o->family.unit[0] * accuracy};
 }

@@ -218,13 +218,8 @@ saltus_zero saltus_solution_zero(saltus_orbits *orbits, saltus_test test, double
 saltus_zero saltus_solution_zero_between(saltus_orbits *orbits, saltus_test test, double target,
                                          const saltus_solution *from, const saltus_solution *to,
                                          const double ends[2], const double values[2], saltus_solution *out);
-/* The accuracy of solutions at this distance from a place where the equations are singular. */
-static inline double saltus_rounding_at(double apart) {
-    return 1e-14 / fabs(apart);
-}
 /* `out` becomes the point near `ahead` of `from` where curves cross: the zero of the test CROSSING or, at an
- * equilibrium, ONWARD. The equations are singular there, so it is interpolated from points around it, at
- * first a tenth of `reach` apart. */
+ * equilibrium, ONWARD; `reach` as for saltus_curve_crossing. */
 saltus_zero saltus_solution_crossing(saltus_orbits *orbits, saltus_test by, const saltus_solution *from,
                                      double ahead, double reach, saltus_solution *out);
 
