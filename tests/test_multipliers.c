@@ -501,7 +501,7 @@ static void left_by_shooting(void **unused) {
         check_ok(saltus_sequence_make(flow, r.periods, false, state, &lap, &sequence, &message), &message);
         check_ok(saltus_shooting_new(&family, &orbit, &shooting, &message), &message);
         check_ok(saltus_shooting_shape(shooting, &sequence, &message), &message);
-        saltus_equations *equations = saltus_shooting_equations(shooting);
+        saltus_equations *equations = &shooting->equations;
         double *u = calloc((size_t)equations->unknowns, sizeof *u);
         check_ok(saltus_shooting_fill(shooting, NULL, state, 1, u, &message), &message);
         saltus_shooting_collect(shooting, &left);

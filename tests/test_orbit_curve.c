@@ -277,7 +277,7 @@ static void states_in_between(void **state) {
             for (int i = 0; i < 2; i++)
                 check_near(x[i], (double)exact[i], 1e-10);
             /* The shooting is unchanged. */
-            assert_int_equal(saltus_shooting_sequence(f.orbits.shooting)->cuts, 1);
+            assert_int_equal(f.orbits.shooting->sequence.cuts, 1);
         }
         saltus_solution_clear(&s);
         saltus_orbits_close(&f.orbits);

@@ -263,7 +263,7 @@ void saltus_archive_orbits(saltus_archive *a, saltus_orbits *o) {
 }
 
 void saltus_archive_shape(saltus_archive *a, saltus_shooting *shooting) {
-    saltus_sequence sequence = *saltus_shooting_sequence(shooting);
+    saltus_sequence sequence = shooting->sequence;
     saltus_archive_sequence(a, &sequence);
     if (!a->reading || !a->sound)
         return;

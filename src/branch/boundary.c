@@ -225,7 +225,7 @@ saltus_status saltus_boundary_cycle(saltus_orbits *o, const saltus_branch_start 
     double state[SALTUS_STATE_MAX];
     saltus_status status = saltus_shooting_shape(o->shooting, &sequence, message);
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
-        state[i] = start->state[i] + apart * start->tangent[i] * saltus_shooting_scale(o->shooting)[i];
+        state[i] = start->state[i] + apart * start->tangent[i] * o->shooting->scale[i];
     if (status == SALTUS_OK)
         status = place_across(o, &sequence, start->parameter[0] + apart, state, out, message);
     if (status == SALTUS_OK && !(saltus_solution_walk(o, out) && out->worst.value < 0 && out->survey.follows))

@@ -35,10 +35,11 @@ static void leave_alike(saltus_orbits *o, saltus_solution *s) {
         for (size_t j = 0; j < m; j++)
             aside[j] = s->at.u[j] + apart * plane[k * m + j];
         found = saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, aside, NULL)) == SALTUS_OK;
-        const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &count);
-        for (int i = 0; i < 2 * count && found; i++)
-            if (breaches[i / 2].kind == SALTUS_BREACH_SPEED && breaches[i / 2].mark == marks[i % 2])
-                speeds[k][i % 2] = -breaches[i / 2].value / apart;
+        const saltus_breaches *breaches = &o->shooting->breaches;
+        for (int i = 0; i < 2 * breaches->count && found; i++)
+            if (breaches->items[i / 2].kind == SALTUS_BREACH_SPEED &&
+                breaches->items[i / 2].mark == marks[i % 2])
+                speeds[k][i % 2] = -breaches->items[i / 2].value / apart;
     }
     for (size_t j = 0; j < m && found; j++) {
         aside[j] = (speeds[1][1] - speeds[1][0]) * plane[j] + (speeds[0][0] - speeds[0][1]) * plane[m + j];
@@ -251,7 +252,7 @@ static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const dou
 static bool shoot_ahead(saltus_orbits *o, const saltus_solution *from, double parameter, saltus_solution *out,
                         double *astray) {
     double distance = (parameter - from->parameter[0]) / saltus_solution_heading(from);
-    const double *scale = saltus_shooting_scale(o->shooting);
+    const double *scale = o->shooting->scale;
     double guess[SALTUS_STATE_MAX], state[SALTUS_STATE_MAX];
     for (int i = 0; i < o->n; i++)
         state[i] = guess[i] = (from->at.u[i] + distance * from->at.tangent[i]) * scale[i];
@@ -692,7 +693,7 @@ static bool look_beyond_births(saltus_orbits *o, const saltus_solution *from, do
     saltus_orbits_reshape(o, from);
     if (!saltus_solution_visit(o, from, -from->at.ahead, birth) || !open_after_run(o, birth, trial))
         return false;
-    const double *scale = saltus_shooting_scale(o->shooting);
+    const double *scale = o->shooting->scale;
     const double distance = (limit - trial->parameter[0]) / saltus_solution_heading(trial);
     end->sequence = left_to_flow(&trial->sequence);
     for (int i = 0; i < o->n; i++)
@@ -705,8 +706,7 @@ static bool look_beyond_births(saltus_orbits *o, const saltus_solution *from, do
             trial->survey.sticking_intervals <= from->survey.sticking_intervals)
             continue;
         for (int i = 0; i < o->n; i++)
-            end->slope[i] =
-                trial->at.tangent[i] * saltus_shooting_scale(o->shooting)[i] / saltus_solution_heading(trial);
+            end->slope[i] = trial->at.tangent[i] * o->shooting->scale[i] / saltus_solution_heading(trial);
         return true;
     }
     return false;

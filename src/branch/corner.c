@@ -68,8 +68,7 @@ double saltus_corner_breach(const saltus_extended *x, const saltus_solution *s) 
 
 int saltus_corner_multipliers(saltus_orbits *o, saltus_shooting *shooting, double *re, double *im) {
     const double shift = 0.5, infinite = 1e-9;
-    int n = o->n, m = saltus_shooting_equations(shooting)->unknowns,
-        row = saltus_shooting_closing_row(shooting), count = 0;
+    int n = o->n, m = shooting->equations.unknowns, row = saltus_shooting_closing_row(shooting), count = 0;
     saltus_dense_lu *lu = saltus_shooting_factor(shooting, 1 - shift);
     double real[SALTUS_STATE_MAX], imaginary[SALTUS_STATE_MAX],
         largest = 0, *columns = calloc((size_t)(n * (m + n)), sizeof *columns),
@@ -120,8 +119,8 @@ static void keep_close(saltus_close *close, double re, double im) {
 }
 
 void saltus_corner_still(const saltus_orbits *o, saltus_shooting *shooting, int mark) {
-    saltus_equations *e = saltus_shooting_equations(shooting);
-    const int entry = o->n * saltus_shooting_sequence(shooting)->cuts + mark;
+    saltus_equations *e = &shooting->equations;
+    const int entry = o->n * shooting->sequence.cuts + mark;
     e->jacobian[entry * e->unknowns + entry] = 0;
 }
 
@@ -266,9 +265,9 @@ saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_sol
 /* Of an orbit that is its own mirror image, cut in halves, the equations fall apart: into those of changes
  * that keep it so, which are singular at a fold, and of those that do not, singular at a branch point. */
 static void measure_halves(saltus_orbits *o, saltus_shooting *shooting, saltus_locus_test tests[2]) {
-    const saltus_equations *e = saltus_shooting_equations(shooting);
-    const int n = o->n, marks = saltus_shooting_sequence(shooting)->count / 2, size = n + marks,
-              m = e->unknowns, row = n - saltus_shooting_closing_row(shooting);
+    const saltus_equations *e = &shooting->equations;
+    const int n = o->n, marks = shooting->sequence.count / 2, size = n + marks, m = e->unknowns,
+              row = n - saltus_shooting_closing_row(shooting);
     saltus_dense_lu lu = {.n = 0};
     double *a = calloc((size_t)(size * size), sizeof *a);
     const bool room = a && saltus_dense_lu_open(&lu, size);
@@ -411,7 +410,7 @@ static bool is_branch_point(saltus_extended *x, const saltus_solution *s, bool w
     saltus_status status = saltus_orbits_evaluate(&x->orbits, s, &sequence, &shooting, NULL);
     bool branches = status == SALTUS_OK;
     if (status == SALTUS_OK) {
-        const saltus_equations *e = saltus_shooting_equations(shooting);
+        const saltus_equations *e = &shooting->equations;
         const int c = e->count, m = e->unknowns;
         a = calloc((size_t)(c * (c + 1)), sizeof *a);
         double *left = a ? a + c * c : NULL;

@@ -71,7 +71,7 @@ static void fill_singular(const saltus_extended *x, double theta, double *a, int
  * its own mirror image tell whether it is of the kind that is followed: they are alike then, the states of a
  * branch point as well as the times of a fold. Returns their length, 0: they do not tell. */
 static int halves_of(const saltus_extended *x, int *first) {
-    const saltus_sequence *s = saltus_shooting_sequence(x->orbits.shooting);
+    const saltus_sequence *s = &x->orbits.shooting->sequence;
     const bool folds = x->kind == SALTUS_POINT_LP && s->count % 2 == 0;
     *first = folds ? x->orbits.n * s->cuts : 0;
     return !x->mirrored ? 0 : folds ? s->count / 2 : x->kind == SALTUS_POINT_BP ? x->orbits.n : 0;
@@ -155,12 +155,11 @@ static bool solve_bordered(saltus_extended *x, double theta) {
 /* The scaled speed of the slowest prescribed impact of the orbit last evaluated, but for those that graze. */
 static double slowest_impact(const saltus_extended *x) {
     const double nothing = 1e-9;
-    int count;
-    const saltus_breach *breaches = saltus_shooting_breaches(x->orbits.shooting, &count);
+    const saltus_breaches *breaches = &x->orbits.shooting->breaches;
     double slowest = INFINITY;
-    for (int k = 0; k < count; k++)
-        if (breaches[k].kind == SALTUS_BREACH_SPEED && fabs(breaches[k].value) > nothing)
-            slowest = fmin(slowest, fabs(breaches[k].value));
+    for (int k = 0; k < breaches->count; k++)
+        if (breaches->items[k].kind == SALTUS_BREACH_SPEED && fabs(breaches->items[k].value) > nothing)
+            slowest = fmin(slowest, fabs(breaches->items[k].value));
     return slowest;
 }
 
@@ -224,9 +223,9 @@ static void fill_special(saltus_extended *x, const double *u) {
  * maximum, would tell its time only to the root of a residual. It is half the period later. */
 static void time_image(saltus_extended *x, const double *u, int own) {
     const double near = 1e-4;
-    const saltus_sequence *s = saltus_shooting_sequence(x->orbits.shooting);
+    const saltus_sequence *s = &x->orbits.shooting->sequence;
     const int first = own - x->mark;
-    const double scale = saltus_shooting_scale(x->orbits.shooting)[own];
+    const double scale = x->orbits.shooting->scale[own];
     for (int k = 0; k < s->count; k++) {
         const double later = s->mark[k].time - s->mark[x->mark].time,
                      half = copysign(0.5 * s->periods, later);
@@ -256,7 +255,7 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
     }
     if (speed) {
         /* g is the entry of the Jacobian that is the impact's speed. */
-        const int entry = x->orbits.n * saltus_shooting_sequence(x->orbits.shooting)->cuts + x->mark;
+        const int entry = x->orbits.n * x->orbits.shooting->sequence.cuts + x->mark;
         x->equations.residual[c] = orbit->jacobian[entry * m + entry];
         memcpy(x->equations.jacobian + c * own, speed, (size_t)m * sizeof(double));
         if (x->mirrored)

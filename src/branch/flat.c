@@ -42,7 +42,7 @@ static saltus_status evaluate(flat *f, double apart) {
                                        {-1. / 12, 16. / 12, -30. / 12, 16. / 12, -1. / 12},
                                        {-0.5, 1, 0, -1, 0.5}};
     const int c = f->e->count, m = f->e->unknowns, width = m + 1;
-    const double *scale = saltus_shooting_scale(f->shooting);
+    const double *scale = f->shooting->scale;
     memset(f->a, 0, (size_t)(f->rows * width) * sizeof *f->a);
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < f->marks && status == SALTUS_OK; k++) {
@@ -142,7 +142,7 @@ static saltus_status take_over(saltus_extended *x, const flat *f, saltus_locus_p
 
 /* Make room for the equations of f->shooting. */
 static bool open_flat(saltus_orbits *o, flat *f) {
-    f->e = saltus_shooting_equations(f->shooting);
+    f->e = &f->shooting->equations;
     const size_t m = (size_t)f->e->unknowns;
     f->rows = f->e->count + 3 * f->marks;
     do {

@@ -103,7 +103,7 @@ bool saltus_solution_refine(saltus_orbits *o, saltus_solution *s, saltus_solutio
 }
 
 bool saltus_solution_base_beyond(const saltus_orbits *o, const saltus_solution *s) {
-    const saltus_system *system = saltus_shooting_system(o->shooting);
+    const saltus_system *system = o->shooting->full.system;
     if (s->sequence.contacts || !(s->sequence.omega > 0))
         return false;
     for (int f = 0; f < saltus_system_face_count(system); f++)

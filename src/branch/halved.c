@@ -174,7 +174,7 @@ static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_
     o->shooting = NULL;
     saltus_status status =
         saltus_orbits_shoot(&whole->orbits, &at->orbit, sequence, &o->shooting, &s->u, NULL);
-    o->equations = status == SALTUS_OK ? saltus_shooting_equations(o->shooting) : NULL;
+    o->equations = status == SALTUS_OK ? &o->shooting->equations : NULL;
     if (saltus_orbits_noted(o, status) != SALTUS_OK)
         return false;
     const int c = o->equations->count;

@@ -212,7 +212,7 @@ saltus_status saltus_hopf_aside(saltus_orbits *o, const double *parameters, cons
     double state[SALTUS_STATE_MAX];
     saltus_status status = saltus_shooting_shape(o->shooting, &sequence, message);
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
-        state[i] = rest[i] + apart * tangent[i] * saltus_shooting_scale(o->shooting)[i];
+        state[i] = rest[i] + apart * tangent[i] * o->shooting->scale[i];
     if (status == SALTUS_OK)
         status = saltus_orbits_tune(o, parameters, sequence.omega, message);
     if (status == SALTUS_OK)

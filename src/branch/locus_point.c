@@ -113,7 +113,7 @@ saltus_status saltus_locus_find_near(saltus_extended *x, saltus_locus_point *her
 /* For an orbit cut halfway: the deviation, in state entry i of the vector u of unknowns, from orbits of half
  * the period or, with `mirrored`, from those that are their own mirror images. */
 static double half_apart(const saltus_extended *x, const double *u, int i, bool mirrored) {
-    const saltus_sequence *s = saltus_shooting_sequence(x->orbits.shooting);
+    const saltus_sequence *s = &x->orbits.shooting->sequence;
     int half = 1;
     while (half + 1 < s->cuts && s->cut[half] < s->base + 0.499 * s->periods)
         half++;
@@ -121,7 +121,7 @@ static double half_apart(const saltus_extended *x, const double *u, int i, bool 
 }
 
 void saltus_locus_keep_mirrored(const saltus_extended *x, saltus_locus_point *here) {
-    const saltus_sequence *s = saltus_shooting_sequence(x->orbits.shooting);
+    const saltus_sequence *s = &x->orbits.shooting->sequence;
     const int n = x->orbits.n, half = s->count / 2, ends[2] = {n, half};
     double *part = here->at.tangent;
     for (int k = 0; k < 2 && s->cuts == 2; k++) {

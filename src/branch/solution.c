@@ -35,7 +35,7 @@ saltus_status saltus_orbits_open(saltus_orbits *o, saltus_message *message) {
         status = saltus_shooting_new(&o->family, &o->options, &o->shooting, message);
     if (status != SALTUS_OK)
         return status;
-    o->equations = saltus_shooting_equations(o->shooting);
+    o->equations = &o->shooting->equations;
     o->collects = saltus_cocycle_takes(&o->cocycle, o->system, 1, &o->options.flow);
     return status;
 }
@@ -109,7 +109,8 @@ saltus_scaled saltus_orbits_closing(saltus_shooting *shooting, bool flips) {
 }
 
 saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
-    const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &s->breach_count);
+    const saltus_breach *breaches = o->shooting->breaches.items;
+    s->breach_count = o->shooting->breaches.count;
     if (s->breach_count > s->breach_room) {
         free(s->breaches);
         s->breaches = calloc((size_t)s->breach_count, sizeof *s->breaches);
@@ -125,7 +126,8 @@ saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_m
         s->parameter[d] = parameters[d];
     s->value = o->origin + o->family.unit[0] * parameters[0];
     s->at.residual = o->equations->size;
-    s->onward = saltus_shooting_onward(o->shooting, &s->speed);
+    s->onward = o->shooting->onward;
+    s->speed = o->shooting->flow_speed;
     s->growth = saltus_shooting_growth(o->shooting);
     s->worst = (saltus_breach){.value = -1};
     for (int k = 0; k < s->breach_count; k++) {
@@ -206,7 +208,7 @@ void saltus_solution_speeds(const saltus_orbits *o, const saltus_solution *s, do
         speed[k] = 0;
     for (int k = 0; k < s->breach_count; k++)
         if (s->breaches[k].kind == SALTUS_BREACH_SPEED)
-            speed[s->breaches[k].mark] = -s->breaches[k].value * saltus_shooting_speed_scale(o->shooting);
+            speed[s->breaches[k].mark] = -s->breaches[k].value * o->shooting->speed;
 }
 
 /* Walk along a sequence from the states at its cuts, filling `cocycle` (may be NULL) unless that is `given`,
@@ -367,7 +369,7 @@ static saltus_status shoot(const saltus_orbits *o, const saltus_sequence *sequen
         status = saltus_shooting_shape(*shooting, sequence, message);
     if (status != SALTUS_OK)
         return status;
-    *u = saltus_shooting_equations(*shooting)->trial;
+    *u = (*shooting)->equations.trial;
     return saltus_shooting_fill(*shooting, parameters, states, given, *u, message);
 }
 
@@ -387,8 +389,7 @@ saltus_status saltus_orbits_evaluate(const saltus_orbits *o, const saltus_soluti
                                      saltus_message *message) {
     double *u;
     const saltus_status status = saltus_orbits_shoot(o, at, sequence, shooting, &u, message);
-    return status == SALTUS_OK ? saltus_equations_evaluate(saltus_shooting_equations(*shooting), u, message)
-                               : status;
+    return status == SALTUS_OK ? saltus_equations_evaluate(&(*shooting)->equations, u, message) : status;
 }
 
 /* See saltus_solution_state_at. */
@@ -404,7 +405,7 @@ static saltus_status find_state(const saltus_orbits *o, const saltus_solution *s
     while (k > 0 && own->cut[k] > later + rounding)
         k--;
     for (int i = 0; i < o->n; i++)
-        state[i] = k ? s->at.u[k * o->n + i] * saltus_shooting_scale(o->shooting)[i] : s->state[i];
+        state[i] = k ? s->at.u[k * o->n + i] * o->shooting->scale[i] : s->state[i];
     const double begin = k ? own->cut[k] : own->base;
     if (fabs(later - begin) <= rounding)
         return SALTUS_OK;
@@ -416,7 +417,7 @@ static saltus_status find_state(const saltus_orbits *o, const saltus_solution *s
     cut.cut[1] = cut.base + (later - begin);
     saltus_status status = shoot(o, &cut, s->parameter, state, 1, &shooting, &u, message);
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
-        state[i] = u[o->n + i] * saltus_shooting_scale(shooting)[i];
+        state[i] = u[o->n + i] * shooting->scale[i];
     saltus_shooting_free(shooting);
     return status;
 }
@@ -472,8 +473,7 @@ double saltus_solution_part_distance(saltus_orbits *o, const saltus_solution *s,
     if (periods % parts || saltus_solution_state_at(o, s, later, state, NULL) != SALTUS_OK)
         return INFINITY;
     for (int i = 0; i < o->n; i++) {
-        const double own =
-            (state[i] + (parts == 1 ? s->state[i] : -s->state[i])) / saltus_shooting_scale(o->shooting)[i];
+        const double own = (state[i] + (parts == 1 ? s->state[i] : -s->state[i])) / o->shooting->scale[i];
         largest = fmax(largest, fabs(own));
         if (apart)
             apart[i] = own;

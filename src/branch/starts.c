@@ -102,7 +102,7 @@ static saltus_status leave_crossing(saltus_orbits *o, const saltus_solution *at,
     saltus_status status = plane ? saltus_orbits_evaluate(o, at, &start->sequence, &shooting, message)
                                  : saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
-        status = saltus_null_plane(saltus_shooting_equations(shooting), plane, values, message);
+        status = saltus_null_plane(&shooting->equations, plane, values, message);
     if (status == SALTUS_OK)
         status = saltus_solution_states_at(o, at, &start->sequence, &states, message);
     saltus_shooting_free(shooting);

@@ -45,7 +45,7 @@ static saltus_status adopt(search *s, const saltus_sequence *sequence, saltus_me
     saltus_status status = saltus_shooting_shape(s->shooting, sequence, message);
     if (status != SALTUS_OK)
         return status;
-    const size_t unknowns = (size_t)saltus_shooting_equations(s->shooting)->unknowns;
+    const size_t unknowns = (size_t)s->shooting->equations.unknowns;
     double *u = realloc(s->u, unknowns * sizeof *u);
     if (!u)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
@@ -66,7 +66,7 @@ static void cut_sequence(saltus_sequence *sequence, int segments, double growth)
 static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_message *message) {
     saltus_sequence cut = *sequence;
     int iterations = 0, segments = s->options->segments;
-    saltus_equations *equations = saltus_shooting_equations(s->shooting);
+    saltus_equations *equations = &s->shooting->equations;
     cut_sequence(&cut, 1, 1);
     saltus_status status = adopt(s, &cut, message);
     if (status == SALTUS_OK)
@@ -92,7 +92,7 @@ static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_me
         saltus_system_free(status == SALTUS_OK ? s->system : tuned);
         s->system = status == SALTUS_OK ? tuned : s->system;
     }
-    const double *scale = saltus_system_scale(saltus_shooting_system(s->shooting));
+    const double *scale = saltus_system_scale(s->shooting->full.system);
     for (int i = 0; i < s->n; i++)
         size = fmax(size, fabs(s->state[i]) / scale[i]);
     if (status != SALTUS_OK || size < size_max)
@@ -132,7 +132,7 @@ static saltus_status solve_sequence(search *s, const saltus_sequence *sequence, 
 static int find_passing(search *s, const double *guess) {
     enum { tries = 8 };
     const double nearby = 0.3;
-    const saltus_system *system = saltus_shooting_system(s->shooting);
+    const saltus_system *system = s->shooting->full.system;
     size_t bytes = (size_t)s->n * sizeof *guess;
     double start[SALTUS_STATE_MAX];
     saltus_message ignored;
@@ -273,8 +273,8 @@ static saltus_status find(search *s, const double *guess, saltus_message *messag
 static saltus_status tell_leading(const search *s, saltus_orbit *orbit, bool *known,
                                   saltus_message *message) {
     static const double most_growth = 1e4, clear = 1e-3;
-    const saltus_equations *e = saltus_shooting_equations(s->shooting);
-    const saltus_sequence *sequence = saltus_shooting_sequence(s->shooting);
+    const saltus_equations *e = &s->shooting->equations;
+    const saltus_sequence *sequence = &s->shooting->sequence;
     const int n = s->n;
     double real[SALTUS_STATE_MAX], imaginary[SALTUS_STATE_MAX];
     saltus_multiplier leading = {0, 0, -INFINITY};
@@ -324,7 +324,7 @@ saltus_status saltus_orbit_search(const saltus_system *system, int periods, cons
         status = saltus_shooting_new(&(saltus_family){.spec = *saltus_system_spec(system)}, options,
                                      &s.shooting, message);
     if (status == SALTUS_OK) {
-        saltus_shooting_equations(s.shooting)->hasty = true;
+        s.shooting->equations.hasty = true;
         status = find(&s, guess, message);
     }
     orbit->residual = s.residual;

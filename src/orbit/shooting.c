@@ -1,7 +1,7 @@
 /* Orbits with prescribed sequences: work space and unknowns.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/shooting.h"
 #include "orbit/options.h"
-#include "orbit/shooting_private.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -159,31 +159,8 @@ void saltus_sequence_anchor(saltus_sequence *s, saltus_flow *flow, bool turning)
     s->speed = fabs(s->speed);
 }
 
-saltus_equations *saltus_shooting_equations(saltus_shooting *p) {
-    return &p->equations;
-}
-const saltus_sequence *saltus_shooting_sequence(const saltus_shooting *p) {
-    return &p->sequence;
-}
-const double *saltus_shooting_scale(const saltus_shooting *p) {
-    return p->scale;
-}
-const saltus_system *saltus_shooting_system(const saltus_shooting *p) {
-    return p->full.system;
-}
-double saltus_shooting_speed_scale(const saltus_shooting *p) {
-    return p->speed;
-}
 int saltus_shooting_closing_row(const saltus_shooting *p) {
     return (p->sequence.cuts - 1) * p->n;
-}
-double saltus_shooting_onward(const saltus_shooting *p, double *speed) {
-    *speed = p->flow_speed;
-    return p->onward;
-}
-const saltus_breach *saltus_shooting_breaches(const saltus_shooting *p, int *count) {
-    *count = p->breaches.count;
-    return p->breaches.items;
 }
 
 void saltus_shooting_collect(saltus_shooting *p, saltus_cocycle *cocycle) {

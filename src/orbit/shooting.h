@@ -16,6 +16,8 @@
 #ifndef SALTUS_ORBIT_SHOOTING_H
 #define SALTUS_ORBIT_SHOOTING_H
 
+#include "base/memory.h"
+#include "flow/flow.h"
 #include "orbit/multipliers.h"
 #include "orbit/newton.h"
 #include "saltus/orbit.h"
@@ -61,8 +63,6 @@ typedef struct saltus_breach {
     double time;
 } saltus_breach;
 
-typedef struct saltus_shooting saltus_shooting;
-
 /* A family of orbits: a specification and up to two directions from it. The parameter unknowns are 0 at the
  * specification, in units of `unit`. Without a direction there is one parameter without effect. */
 typedef struct saltus_family {
@@ -92,7 +92,63 @@ int saltus_sequence_unknowns(const saltus_sequence *sequence, int n);
  * zero observed velocity if `turning`, which also contains rests, otherwise on one across the flow. */
 void saltus_sequence_anchor(saltus_sequence *sequence, saltus_flow *flow, bool turning);
 
-/* Work space for the orbits of a family. */
+/* Derivatives of the state along an orbit by the unknowns of the orbit's equations (`answer`). The orbit is
+ * walked in pieces. Over a piece the flow carries n tangent vectors from the identity, A, and the parameter
+ * columns from their present values; the matrix of n rows is multiplied by A at the end of each piece. A mark
+ * whose time is an unknown adds to the column of that time. */
+typedef struct saltus_response {
+    int n, unknowns;                  /* rows and columns of `answer` */
+    int plain;                        /* number of unknown states and times, which come first */
+    int directions;                   /* parameter columns of the flow */
+    int place[SALTUS_DIRECTIONS_MAX]; /* the unknown of each direction, -1: none */
+    double *tangents;      /* (n + directions) x n: the flow's tangent vectors at the end of the last piece */
+    double *answer, *next; /* n x unknowns each */
+} saltus_response;
+
+/* Collects the derivative along the orbit in short segments, for a cocycle if one is wanted. */
+typedef struct saltus_collection {
+    saltus_cocycle *into;
+    double *since, *work; /* derivative from the segment's beginning to the piece's, by columns */
+    bool begun;           /* `since` is not the identity */
+    double begin;         /* beginning of the segment */
+    bool whole;           /* the last evaluation has filled the cocycle */
+} saltus_collection;
+
+/* Admissibility of the orbit between its marks, as seen by a walk. */
+typedef struct saltus_breaches {
+    saltus_breach *items;
+    int count, room;
+} saltus_breaches;
+
+/* Work space for the orbits of a family. Others only read it, apart from the equations. */
+typedef struct saltus_shooting {
+    /* Set on creation. */
+    saltus_family family;
+    int n;
+    double length, speed, force;          /* scales of gaps, normal speeds, normal accelerations */
+    double state_scale[SALTUS_STATE_MAX]; /* of the first system, whatever the parameters */
+    saltus_tuned full, bare;              /* with all tangent vectors, and with none */
+    /* For the present sequence. */
+    saltus_sequence sequence;
+    int count; /* number of equations, and of unknowns without parameters */
+    /* Continuity and marks. With two parameters there are two more unknowns than equations, one too many for
+     * Newton's method. */
+    saltus_equations equations;
+    saltus_arena arena;
+    double *scale;     /* [count]: of the unknowns without the parameters */
+    double *plain;     /* unscaled unknowns */
+    int speed_mark;    /* whose speed_row is wanted; -1: none */
+    double *speed_row; /* see saltus_shooting_speed_row */
+    /* For the walks around the orbit. */
+    saltus_response response;
+    saltus_collection collection;
+    saltus_breaches breaches; /* found in the last evaluation, in the units of the scales */
+    /* Where the orbit closes, in the last evaluation: the flow's speed across the anchor's hyperplane (0
+     * without an anchor), and in all directions, in units of that at the anchor. */
+    double onward, flow_speed;
+    double steps; /* usual integrator steps per period; 0: not known */
+} saltus_shooting;
+
 saltus_status saltus_shooting_new(const saltus_family *family, const saltus_orbit_options *options,
                                   saltus_shooting **shooting, saltus_message *message);
 void saltus_shooting_free(saltus_shooting *shooting);
@@ -100,14 +156,6 @@ void saltus_shooting_free(saltus_shooting *shooting);
  * the period if it is unknown, the parameters. */
 saltus_status saltus_shooting_shape(saltus_shooting *shooting, const saltus_sequence *sequence,
                                     saltus_message *message);
-/* The equations of the sequence: continuity and marks. With two parameters there are two more unknowns than
- * equations, one too many for Newton's method. */
-saltus_equations *saltus_shooting_equations(saltus_shooting *shooting);
-const saltus_sequence *saltus_shooting_sequence(const saltus_shooting *shooting);
-/* Scales of the unknowns without the parameters. */
-const double *saltus_shooting_scale(const saltus_shooting *shooting);
-/* The system at the parameters of the last evaluation. */
-const saltus_system *saltus_shooting_system(const saltus_shooting *shooting);
 
 /* Fill the unknowns from the states at the first cuts, so many as are `given`, the base among them; the flow
  * gives those at the others. */
@@ -126,18 +174,11 @@ const double *saltus_shooting_speed_row(saltus_shooting *shooting, int mark);
 
 /* Largest growth of a scaled perturbation over a segment, in the last evaluation. */
 double saltus_shooting_growth(const saltus_shooting *shooting);
-/* The flow's speed across the anchor's hyperplane where the orbit closes, in units of that at the anchor, in
- * the last evaluation (0 without an anchor); *speed is the flow's total speed. */
-double saltus_shooting_onward(const saltus_shooting *shooting, double *speed);
 /* From now on each evaluation stores the derivative around the orbit in a cocycle, in short segments; NULL:
  * stop. Has no effect if the period is an unknown. */
 void saltus_shooting_collect(saltus_shooting *shooting, saltus_cocycle *cocycle);
 /* Whether the cocycle was filled at these unknowns, or at those from which Newton's last step led to them. */
 bool saltus_shooting_collected(const saltus_shooting *shooting, const double *u);
-/* The breaches found in the last evaluation; `count` entries. */
-const saltus_breach *saltus_shooting_breaches(const saltus_shooting *shooting, int *count);
-/* Scale of normal speeds, which breaches are given in. */
-double saltus_shooting_speed_scale(const saltus_shooting *shooting);
 /* First of the equations (as many as the dimension) that close the orbit. In their rows of the Jacobian, the
  * -1 on the diagonal of the first columns is the subtracted state at the base. */
 int saltus_shooting_closing_row(const saltus_shooting *shooting);
@@ -145,5 +186,16 @@ int saltus_shooting_closing_row(const saltus_shooting *shooting);
  * the base added in the rows that close the orbit. They are in the equations' work space; solutions have an
  * entry for each unknown. */
 saltus_dense_lu *saltus_shooting_factor(saltus_shooting *shooting, double added);
+
+/* For shooting*.c. The omega in the unknowns; 0 if it is not one of them. */
+double saltus_shooting_omega(const saltus_shooting *shooting, const double *u);
+/* Walk along the first `segments` segments with one of the two flows: residuals and, with the full flow, rows
+ * of the Jacobian, independent of the states at later cuts. Errors: those of the flow; marks out of order. */
+saltus_status saltus_shooting_along(saltus_shooting *shooting, saltus_tuned *by, int segments,
+                                    const double *u, saltus_message *message);
+/* Once around: residuals and breaches at u, with and without Jacobian. `self` is the shooting. Errors: as
+ * above. */
+saltus_status saltus_shooting_around(void *self, const double *u, saltus_message *message);
+saltus_status saltus_shooting_residual(void *self, const double *u, saltus_message *message);
 
 #endif

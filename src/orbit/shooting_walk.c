@@ -3,7 +3,7 @@
  * The orbit is walked in pieces between cuts and marks. A mark at time t contributes its equation's gradient
  * as a row, and adds to the column of t the shift caused by a delay (saltus_strike).
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/shooting_private.h"
+#include "orbit/shooting.h"
 
 #include <math.h>
 #include <string.h>
