@@ -167,12 +167,11 @@ bool saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltu
     if (few.count == 0 || few.contacts || few.omega > 0)
         return false;
     flat f = {.marks = few.count, .first = x->orbits.n};
-    double *start, doubt;
-    const saltus_status status = saltus_orbits_shoot(&x->orbits, s, &few, &f.shooting, &start, NULL);
+    double doubt;
+    const saltus_status status = saltus_orbits_shoot(&x->orbits, s, &few, &f.shooting, NULL);
     bool found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK && open_flat(&x->orbits, &f);
     if (found) {
-        const int m = f.e->unknowns;
-        memcpy(f.u, start, (size_t)m * sizeof *start);
+        memcpy(f.u, f.e->trial, (size_t)f.e->unknowns * sizeof *f.u);
         found = find_flat(&x->orbits, &f, &doubt) &&
                 saltus_orbits_noted(&x->orbits, take_over(x, &f, at)) == SALTUS_OK &&
                 saltus_locus_leads(x, here, near, at);

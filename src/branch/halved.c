@@ -172,11 +172,11 @@ static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_
                                        .iterations = whole->equations.iterations}}};
     saltus_orbits *o = &s->x.orbits;
     o->shooting = NULL;
-    saltus_status status =
-        saltus_orbits_shoot(&whole->orbits, &at->orbit, sequence, &o->shooting, &s->u, NULL);
+    saltus_status status = saltus_orbits_shoot(&whole->orbits, &at->orbit, sequence, &o->shooting, NULL);
     o->equations = status == SALTUS_OK ? &o->shooting->equations : NULL;
     if (saltus_orbits_noted(o, status) != SALTUS_OK)
         return false;
+    s->u = o->equations->trial;
     const int c = o->equations->count;
     bool found = false;
     /* One parameter is kept fixed, or the angle. */
@@ -234,7 +234,6 @@ static bool go_through(saltus_extended *x, shorter *s, const double *unknowns, s
     saltus_sequence whole = at->orbit.sequence;
     const saltus_sequence *once = &s->on.orbit.sequence;
     saltus_shooting *shooting = NULL;
-    double *u;
     saltus_status status = see_orbit(s, unknowns);
     const bool all = whole.count == once->count * (whole.periods / once->periods);
     for (int k = 0; k < whole.count; k++)
@@ -243,10 +242,10 @@ static bool go_through(saltus_extended *x, shorter *s, const double *unknowns, s
         else if (find_mark(once, &whole.mark[k]) < 0)
             return false;
     if (status == SALTUS_OK)
-        status = saltus_orbits_shoot(&x->orbits, &s->on.orbit, &whole, &shooting, &u, NULL);
+        status = saltus_orbits_shoot(&x->orbits, &s->on.orbit, &whole, &shooting, NULL);
     const bool found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK;
     if (found)
-        memcpy(at->at.u, u, (size_t)x->orbits.equations->unknowns * sizeof *u);
+        memcpy(at->at.u, shooting->equations.trial, (size_t)x->orbits.equations->unknowns * sizeof(double));
     saltus_shooting_free(shooting);
     return found && saltus_locus_survey_orbit(x, at);
 }

@@ -362,24 +362,22 @@ saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltu
 
 /* A shooting and its unknowns, from the states at the first cuts, so many as are `given`. */
 static saltus_status shoot(const saltus_orbits *o, const saltus_sequence *sequence, const double *parameters,
-                           const double *states, int given, saltus_shooting **shooting, double **u,
+                           const double *states, int given, saltus_shooting **shooting,
                            saltus_message *message) {
     saltus_status status = saltus_shooting_new(&o->family, &o->options, shooting, message);
     if (status == SALTUS_OK)
         status = saltus_shooting_shape(*shooting, sequence, message);
-    if (status != SALTUS_OK)
-        return status;
-    *u = (*shooting)->equations.trial;
-    return saltus_shooting_fill(*shooting, parameters, states, given, *u, message);
+    double *u = status == SALTUS_OK ? (*shooting)->equations.trial : NULL;
+    return u ? saltus_shooting_fill(*shooting, parameters, states, given, u, message) : status;
 }
 
 saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_solution *at,
-                                  const saltus_sequence *sequence, saltus_shooting **shooting, double **u,
+                                  const saltus_sequence *sequence, saltus_shooting **shooting,
                                   saltus_message *message) {
     double *states;
     saltus_status status = saltus_solution_states_at(o, at, sequence, &states, message);
     if (status == SALTUS_OK)
-        status = shoot(o, sequence, at->parameter, states, sequence->cuts, shooting, u, message);
+        status = shoot(o, sequence, at->parameter, states, sequence->cuts, shooting, message);
     free(states);
     return status;
 }
@@ -387,9 +385,9 @@ saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_solution 
 saltus_status saltus_orbits_evaluate(const saltus_orbits *o, const saltus_solution *at,
                                      const saltus_sequence *sequence, saltus_shooting **shooting,
                                      saltus_message *message) {
-    double *u;
-    const saltus_status status = saltus_orbits_shoot(o, at, sequence, shooting, &u, message);
-    return status == SALTUS_OK ? saltus_equations_evaluate(&(*shooting)->equations, u, message) : status;
+    const saltus_status status = saltus_orbits_shoot(o, at, sequence, shooting, message);
+    saltus_equations *e = status == SALTUS_OK ? &(*shooting)->equations : NULL;
+    return e ? saltus_equations_evaluate(e, e->trial, message) : status;
 }
 
 /* See saltus_solution_state_at. */
@@ -401,7 +399,6 @@ static saltus_status find_state(const saltus_orbits *o, const saltus_solution *s
     int k = own->cuts - 1;
     saltus_sequence cut = *own;
     saltus_shooting *shooting = NULL;
-    double *u;
     while (k > 0 && own->cut[k] > later + rounding)
         k--;
     for (int i = 0; i < o->n; i++)
@@ -415,9 +412,9 @@ static saltus_status find_state(const saltus_orbits *o, const saltus_solution *s
     cut.cuts = 2;
     cut.cut[0] = cut.base;
     cut.cut[1] = cut.base + (later - begin);
-    saltus_status status = shoot(o, &cut, s->parameter, state, 1, &shooting, &u, message);
+    saltus_status status = shoot(o, &cut, s->parameter, state, 1, &shooting, message);
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
-        state[i] = u[o->n + i] * shooting->scale[i];
+        state[i] = shooting->equations.trial[o->n + i] * shooting->scale[i];
     saltus_shooting_free(shooting);
     return status;
 }
@@ -432,7 +429,7 @@ saltus_status saltus_solution_states_at(const saltus_orbits *o, const saltus_sol
                                         saltus_message *message) {
     const saltus_sequence *own = &s->sequence;
     saltus_shooting *shooting = NULL;
-    double *u, *all = *states = calloc((size_t)(cut->cuts * o->n), sizeof *all);
+    double *all = *states = calloc((size_t)(cut->cuts * o->n), sizeof *all);
     saltus_status status = all ? SALTUS_OK : saltus_branch_no_memory(message);
     if (own->cuts > 1 || cut->cuts == 1 || cut->base != own->base || cut->periods != own->periods) {
         for (int j = 0; j < cut->cuts && status == SALTUS_OK; j++)
@@ -440,9 +437,10 @@ saltus_status saltus_solution_states_at(const saltus_orbits *o, const saltus_sol
         return status;
     }
     if (status == SALTUS_OK)
-        status = shoot(o, cut, s->parameter, s->state, 1, &shooting, &u, message);
+        status = shoot(o, cut, s->parameter, s->state, 1, &shooting, message);
     if (status == SALTUS_OK)
-        memcpy(all, saltus_shooting_states(shooting, u), (size_t)(cut->cuts * o->n) * sizeof *all);
+        memcpy(all, saltus_shooting_states(shooting, shooting->equations.trial),
+               (size_t)(cut->cuts * o->n) * sizeof *all);
     saltus_shooting_free(shooting);
     return status;
 }

@@ -164,7 +164,7 @@ bool saltus_solution_base_beyond(const saltus_orbits *orbits, const saltus_solut
  * frees in any case, and the solution's unknowns, in its equations' `trial`; orbits->shooting stays as it is.
  * Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_orbits_shoot(const saltus_orbits *orbits, const saltus_solution *at,
-                                  const saltus_sequence *sequence, saltus_shooting **shooting, double **u,
+                                  const saltus_sequence *sequence, saltus_shooting **shooting,
                                   saltus_message *message);
 /* The same, and evaluate its equations there. */
 saltus_status saltus_orbits_evaluate(const saltus_orbits *orbits, const saltus_solution *at,
