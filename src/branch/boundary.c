@@ -237,11 +237,8 @@ saltus_status saltus_boundary_cycle(saltus_orbits *o, const saltus_branch_start 
 
 /* The scaled speed of a cycle's fastest impact; INFINITY where none is prescribed. */
 static double impact_speed(const saltus_solution *s) {
-    double fastest = -INFINITY;
-    for (int k = 0; k < s->breach_count && s->sequence.omega > 0; k++)
-        if (s->breaches[k].kind == SALTUS_BREACH_SPEED)
-            fastest = fmax(fastest, -s->breaches[k].value);
-    return fastest > -INFINITY ? fastest : INFINITY;
+    double slowest, fastest;
+    return saltus_solution_speed_range(s, &slowest, &fastest) && s->sequence.omega > 0 ? fastest : INFINITY;
 }
 
 /* Whether cycles with impacts, but without lasting contacts, are small and shrink from `here` to `next`. */

@@ -337,13 +337,9 @@ static const double rest_of_run = 1e-6;
  * so slow that rounding matters. */
 static bool is_easy(const saltus_solution *s) {
     const double slow = 1e-6; /* relative to the fastest */
-    double slowest = INFINITY, fastest = 0;
-    for (int k = 0; k < s->breach_count; k++)
-        if (s->breaches[k].kind == SALTUS_BREACH_SPEED) {
-            slowest = fmin(slowest, -s->breaches[k].value);
-            fastest = fmax(fastest, -s->breaches[k].value);
-        }
-    return !saltus_sequence_has_tail(&s->sequence) && slowest > slow * fastest;
+    double slowest, fastest;
+    saltus_solution_speed_range(s, &slowest, &fastest);
+    return !saltus_sequence_has_tail(&s->sequence) && slowest > slow * fmax(fastest, 0);
 }
 
 /* Whether the branch goes on with an orbit that was found beyond a change. */

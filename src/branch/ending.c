@@ -345,14 +345,8 @@ bool saltus_cycle_of_family(const saltus_solution *s) {
 /* The speed of an orbit's impacts, scaled, if all two or more are equally fast; otherwise NAN. */
 static double common_speed(const saltus_solution *s) {
     const double alike = 1e-6;
-    double least = INFINITY, most = -INFINITY;
-    int count = 0;
-    for (int k = 0; k < s->breach_count; k++)
-        if (s->breaches[k].kind == SALTUS_BREACH_SPEED) {
-            least = fmin(least, -s->breaches[k].value);
-            most = fmax(most, -s->breaches[k].value);
-            count++;
-        }
+    double least, most;
+    const int count = saltus_solution_speed_range(s, &least, &most);
     return count > 1 && count == s->sequence.count && most - least < alike ? 0.5 * (least + most) : NAN;
 }
 

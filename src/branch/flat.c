@@ -160,14 +160,12 @@ bool saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltu
     const double slow = 1e-3, near = 1e-3;
     const saltus_solution *s = &here->orbit;
     int part[SALTUS_MARKS_MAX];
-    for (int k = 0; k < s->breach_count; k++)
-        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && -s->breaches[k].value > slow)
-            return false;
+    double slowest, fastest, doubt;
     const saltus_sequence few = gather(&s->sequence, part);
-    if (few.count == 0 || few.contacts || few.omega > 0)
+    saltus_solution_speed_range(s, &slowest, &fastest);
+    if (fastest > slow || few.count == 0 || few.contacts || few.omega > 0)
         return false;
     flat f = {.marks = few.count, .first = x->orbits.n};
-    double doubt;
     const saltus_status status = saltus_orbits_shoot(&x->orbits, s, &few, &f.shooting, NULL);
     bool found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK && open_flat(&x->orbits, &f);
     if (found) {

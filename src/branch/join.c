@@ -347,9 +347,7 @@ double saltus_locus_sharpness(saltus_extended *x, const saltus_locus_point *here
     const int parts = may_join(x, &here->orbit);
     if (parts && saltus_solution_part_distance(&x->orbits, &here->orbit, parts, NULL) < near)
         return sharp;
-    double slowest = INFINITY;
-    for (int k = 0; k < here->orbit.breach_count && x->kind != SALTUS_POINT_GR; k++)
-        if (here->orbit.breaches[k].kind == SALTUS_BREACH_SPEED)
-            slowest = fmin(slowest, -here->orbit.breaches[k].value);
-    return fmin(fmax(share * slowest, sharp), usual);
+    double slowest, fastest;
+    saltus_solution_speed_range(&here->orbit, &slowest, &fastest);
+    return x->kind == SALTUS_POINT_GR ? usual : fmin(fmax(share * slowest, sharp), usual);
 }

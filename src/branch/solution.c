@@ -203,6 +203,19 @@ bool saltus_solution_visit(saltus_orbits *o, const saltus_solution *from, double
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 
+int saltus_solution_speed_range(const saltus_solution *s, double *slowest, double *fastest) {
+    int count = 0;
+    *slowest = INFINITY;
+    *fastest = -INFINITY;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED) {
+            *slowest = fmin(*slowest, -s->breaches[k].value);
+            *fastest = fmax(*fastest, -s->breaches[k].value);
+            count++;
+        }
+    return count;
+}
+
 void saltus_solution_speeds(const saltus_orbits *o, const saltus_solution *s, double *speed) {
     for (int k = 0; k < s->sequence.count; k++)
         speed[k] = 0;

@@ -133,6 +133,9 @@ static inline void saltus_survey_follow(saltus_survey *survey, const saltus_surv
     memcpy(survey->past, past->circle, sizeof survey->past);
     survey->past_place = place;
 }
+/* The number of prescribed impacts, and the scaled speeds of the slowest and the fastest; without any
+ * INFINITY and -INFINITY. */
+int saltus_solution_speed_range(const saltus_solution *solution, double *slowest, double *fastest);
 /* The speeds towards the stop of the impacts among the marks; 0 for other marks. */
 void saltus_solution_speeds(const saltus_orbits *orbits, const saltus_solution *solution, double *speed);
 /* The state at `time` through the prescribed events. Errors: those of the flow, SALTUS_NO_MEMORY. */
