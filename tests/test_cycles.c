@@ -196,16 +196,17 @@ static const saltus_branch_point *special(const branch_record *record, saltus_po
     return NULL;
 }
 
-/* From independent programs: where the valve's limit cycle is born and where it grazes its seat. */
+/* Where the valve's limit cycle is born, by Hurwitz' condition for its equilibria, and, from an independent
+ * program, where it grazes its seat. */
 static void the_valves_cycle_is_born_and_grazes(void **unused) {
     (void)unused;
     branch_record record = branch_of("relief-valve", "q=8", branch_along("q", 7.3, 8.6));
     const saltus_branch_point *hopf = special(&record, SALTUS_POINT_HB, 1),
                               *grazing = special(&record, SALTUS_POINT_GR, 1);
-    check_near(hopf->value[0], 8.491117635183, fmax(hopf->accuracy, 1e-10));
-    assert_true(hopf->accuracy < 1e-6);
-    check_near(hopf->period, 2 * M_PI / 3.090708847974, 1e-7);
-    check_near(hopf->state[0], 2.410313237687, 1e-3); /* its distance goes as the square root */
+    check_near(hopf->value[0], 8.49111763518332712, hopf->accuracy);
+    assert_true(hopf->accuracy < 5e-14);
+    check_near(hopf->period, 2 * M_PI / 3.090708847974, 1e-11);
+    check_near(hopf->state[0], 2.41031323768665016, 1e-13);
     check_near(grazing->value[0], 7.557210971877, 1e-11);
     check_near(grazing->period, 2.656012147475, 1e-11);
     assert_string_equal(grazing->label, "0/1");

@@ -5,8 +5,10 @@
 #include "branch/rest.h"
 #include "orbit/held.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* Go once around a cycle. Without `rest`: its slowest point to `slowest` (n), the speed there, in the state's
  * scales, to *least; with `rest`, a state: the least distance from it to *least. */
@@ -88,12 +90,10 @@ bool saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *at, bool 
     return meets || lost;
 }
 
-enum { unknowns_max = SALTUS_STATE_MAX + SALTUS_FACES_MAX + 2 };
-
 /* The parameter of the equilibrium in the hyperplane across `normal`, `by` from a place; NAN: none. */
 static double parameter_along(saltus_rests *r, const double *place, const double *normal, double by) {
     const int unknowns = r->equations.unknowns;
-    double u[unknowns_max], anchor[unknowns_max];
+    double u[SALTUS_REST_UNKNOWNS_MAX], anchor[SALTUS_REST_UNKNOWNS_MAX];
     int iterations;
     for (int j = 0; j < unknowns; j++)
         u[j] = anchor[j] = place[j] + by * normal[j];
@@ -121,8 +121,8 @@ static bool find_birth(saltus_rests *r, const double *place, const double *norma
 /* The same at the slowest point of a cycle, with the normal along the flow. */
 static bool seek_birth(saltus_orbits *o, const saltus_solution *s, double *parameter) {
     saltus_rests r = {.family = o->family, .origin = {o->origin}};
-    double slowest[SALTUS_STATE_MAX] = {0}, field[SALTUS_STATE_MAX], place[unknowns_max],
-           normal[unknowns_max], speed, size = 0;
+    double slowest[SALTUS_STATE_MAX] = {0}, field[SALTUS_STATE_MAX], place[SALTUS_REST_UNKNOWNS_MAX],
+           normal[SALTUS_REST_UNKNOWNS_MAX], speed, size = 0;
     bool found = false;
     saltus_status status = go_around(o, s, NULL, slowest, &speed);
     if (status == SALTUS_OK)
@@ -182,80 +182,51 @@ void saltus_cycle_tell_shrinking(saltus_orbits *o, const saltus_solution *at, ch
         snprintf(reason + length, SALTUS_REASON_MAX - (size_t)length, ", distance %.2g", passed.distance);
 }
 
-/* Half the sum of the two eigenvalues whose product is near `*square`, which becomes their product, at the
- * equilibrium near u at the parameter in u; NAN where there is none. */
-static double real_part(saltus_rests *r, double *u, double *square) {
-    int iterations;
-    double found;
-    const saltus_status status = saltus_newton(&r->equations, u, NULL, NULL, true, &iterations, NULL);
-    if (saltus_rests_noted(r, status) != SALTUS_OK)
-        return NAN;
-    const double half = saltus_rests_pair(r, u, *square, &found);
-    *square = found;
-    return half;
-}
-
-/* The secant method on the real part, from the equilibrium at u. True if it converges to a zero. */
-static bool find_zero(saltus_rests *r, double *u, saltus_shrunk *hopf) {
-    enum { iterations = 30 };
-    const double apart = 1e-6, sharp = 1e-14;
-    const int last = r->equations.unknowns - 1;
-    double square = hopf->omega * hopf->omega, place[2] = {u[last]}, value[2], slope = NAN, step = INFINITY;
-    value[0] = real_part(r, u, &square);
-    place[1] = u[last] += apart;
-    value[1] = real_part(r, u, &square);
-    for (int k = 0; k < iterations && isfinite(value[1]); k++) {
-        const double before = fabs(step);
-        slope = place[1] != place[0] ? (value[1] - value[0]) / (place[1] - place[0]) : slope;
-        step = -value[1] / slope;
-        if (!isfinite(step) || fabs(step) > 1 || fabs(step) < sharp ||
-            (before < 1e-9 && fabs(step) >= before))
-            break;
-        place[0] = place[1];
-        value[0] = value[1];
-        place[1] = u[last] += step;
-        value[1] = real_part(r, u, &square);
-    }
-    hopf->parameter = place[1];
-    hopf->omega = sqrt(square);
-    hopf->accuracy = fabs(value[1] / slope) + fabs(step);
-    return isfinite(value[1]) && hopf->accuracy < 1e-9 && square > 0;
-}
-
-/* How far rounding may have moved the zero, from the scatter of real parts beside it. */
-static double scatter(saltus_rests *r, double *u, const saltus_shrunk *hopf) {
-    const double apart = 1e-6;
-    const int last = r->equations.unknowns - 1;
-    double value[5], square = hopf->omega * hopf->omega;
+/* How far rounding may have moved the parameter of the Hopf point at u that Newton's method has just found:
+ * that of the equations, and that of the real part, from its scatter beside it. */
+static double moved_by_rounding(saltus_rests *r, double *u) {
+    const double apart = 1e-6, place = u[r->size];
+    const saltus_equations *e = &r->equations;
+    double value[5], square, part[SALTUS_REST_UNKNOWNS_MAX] = {0}, moved = 0;
     for (int k = 0; k < 5; k++) {
-        u[last] = hopf->parameter + (k - 2) * apart;
-        value[k] = real_part(r, u, &square);
+        u[r->size] = place + (k - 2) * apart;
+        value[k] = saltus_rests_pair(r, u, r->special.square, &square);
     }
-    u[last] = hopf->parameter;
-    const double slope = (value[4] - value[0]) / (4 * apart);
+    u[r->size] = place;
     const double bend = value[0] - 4 * value[1] + 6 * value[2] - 4 * value[3] + value[4];
-    const double kept = real_part(r, u, &square);
-    return (fabs(bend) + fabs(kept)) / fabs(slope);
+    part[r->size] = 1;
+    saltus_dense_resolve(&r->equations.lu, true, 1, part);
+    for (int i = 0; i < r->size; i++)
+        moved += fabs(part[i]) * (fabs(e->residual[i]) + DBL_EPSILON * saltus_length(u, e->unknowns));
+    return moved + fabs(part[r->size]) * (fabs(bend) + fabs(value[2])) / r->rate_scale;
 }
 
 /* Find the Hopf point from the equilibrium and the eigenvalues nearest to the cycle's state and frequency. */
 static saltus_shrunk cycle_shrinks(saltus_orbits *o, const saltus_solution *s) {
-    saltus_rests r = {.family = o->family, .origin = {o->origin}};
+    const double omega = s->sequence.omega / s->sequence.periods, sharp = 1e-9;
+    saltus_rests r = {.family = o->family,
+                      .origin = {o->origin},
+                      .special = {.kind = SALTUS_POINT_HB, .square = omega * omega}};
     saltus_rest rest = {.rate_count = 0};
-    saltus_shrunk hopf = {.omega = s->sequence.omega / s->sequence.periods};
+    saltus_shrunk hopf = {.found = false};
+    double square;
     saltus_status status = saltus_rests_open(&r, NULL);
     if (status == SALTUS_OK)
         status = saltus_rests_begin(&r, s->sequence.contacts, s->state, s->parameter, &rest.at, NULL);
-    double *u = rest.at.u;
-    if (status == SALTUS_OK && find_zero(&r, u, &hopf)) {
-        hopf.accuracy += scatter(&r, u, &hopf);
+    if (status == SALTUS_OK)
+        status = saltus_newton(&r.equations, rest.at.u, NULL, NULL, true, &rest.at.iterations, NULL);
+    if (status == SALTUS_OK) {
+        hopf.accuracy = moved_by_rounding(&r, rest.at.u);
+        saltus_rests_pair(&r, rest.at.u, r.special.square, &square);
         status = saltus_rest_see(&r, &rest, NULL);
-        hopf.found = isfinite(hopf.accuracy) && status == SALTUS_OK;
-        hopf.rate_count = status == SALTUS_OK ? rest.rate_count : 0;
-        for (int i = 0; i < r.n && status == SALTUS_OK; i++)
-            hopf.state[i] = rest.state[i];
-        for (int k = 0; k < hopf.rate_count; k++)
-            hopf.rates[k] = rest.rates[k];
+    }
+    if (status == SALTUS_OK) {
+        hopf.found = hopf.accuracy < sharp && square > 0;
+        hopf.parameter = rest.parameter[0];
+        hopf.omega = sqrt(square);
+        hopf.rate_count = rest.rate_count;
+        memcpy(hopf.state, rest.state, sizeof hopf.state);
+        memcpy(hopf.rates, rest.rates, sizeof hopf.rates);
     }
     o->starved |= r.starved || status == SALTUS_NO_MEMORY;
     saltus_rest_clear(&rest);

@@ -300,7 +300,7 @@ saltus_status saltus_rests_shape(saltus_rests *r, unsigned contacts, const doubl
         if (contacts >> f & 1)
             w->face[w->held++] = f;
     r->size = r->width + w->held;
-    const int unknowns = r->size + r->family.parameters;
+    const int unknowns = r->size + (r->special.kind ? 2 : 1);
     r->equations = (saltus_equations){
         .self = r, .evaluate = evaluate, .tolerance = 1e-11, .iterations = 20, .kind = "equilibrium"};
     do {

@@ -3,7 +3,7 @@
  *
  * With contacts C the unknowns are the displacements, the further states and the contact forces; the
  * equations are f(x) - push force = 0 and gap = 0 for each of C. They are regular wherever the equilibrium is
- * isolated. With two parameters one more equation makes the equilibrium special: half the sum of two
+ * isolated. One more equation, and unknown, makes the equilibrium special: half the sum of two
  * eigenvalues is zero (Hopf), a face that does not hold is touched (boundary equilibrium), or the Jacobian is
  * singular (fold; by borders, Govaerts, Numerical methods for bifurcations of dynamical equilibria, SIAM
  * 2000). The gradients of the first and the last are differences: their error affects the speed of
@@ -23,7 +23,7 @@ enum { SALTUS_REST_UNKNOWNS_MAX = SALTUS_STATE_MAX + SALTUS_FACES_MAX + 2, SALTU
 /* What makes the equilibria on a curve in two parameters special. The code that follows the curve renews it
  * from point to point. */
 typedef struct saltus_rest_special {
-    saltus_point_kind kind; /* HB, BE or LP; REGULAR: nothing, with one parameter */
+    saltus_point_kind kind; /* HB, BE or LP; REGULAR: nothing */
     int face;               /* BE: the face that is touched */
     double square;          /* HB: product of the two eigenvalues, which identifies them */
     /* LP: borders of the Jacobian, below it and to its right: its null vectors at a nearby point. */
@@ -43,7 +43,7 @@ typedef struct saltus_rests {
     /* For the contacts for which the equations are shaped. */
     unsigned contacts;
     int size; /* number of equations without the special one; the unknowns from this index on are the
-                 parameters */
+                 parameters and, of special ones in one parameter, one without effect */
     saltus_equations equations;
     double *row_scale;     /* width */
     saltus_system *system; /* at the parameters last used */
