@@ -145,37 +145,30 @@ static void prescribed_events(saltus_orbits *o, const saltus_solution *s, saltus
     saltus_orbit_label(point->impacts, s->sequence.periods, point->label);
 }
 
-/* The smallest contact force, as the flow gives it, over an orbit that is in contact all the time; NAN for
- * others. Errors: those of the flow. */
+/* The smallest contact force, as the flow gives it, over an orbit that is in contact all the time: at its
+ * base and at minima on the way; NAN for others. Errors: those of the flow. */
 static saltus_status find_contact_force(saltus_orbits *o, const saltus_solution *s, double *force) {
-    const saltus_sequence *sequence = &s->sequence;
-    const int faces = saltus_system_face_count(o->system);
+    const saltus_sequence *q = &s->sequence;
     double forces[SALTUS_FACES_MAX];
-    saltus_extreme extremes[SALTUS_FACES_MAX];
     *force = NAN;
-    if (sequence->contacts == 0 || sequence->count > 0 || sequence->driven)
+    if (q->contacts == 0 || q->count > 0 || q->driven)
         return SALTUS_OK;
-    for (int f = 0; f < SALTUS_FACES_MAX; f++)
-        extremes[f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
-    /* Forces at the end of the orbit, and at their minima on the way there. */
-    saltus_status status = saltus_orbits_tune(o, s->parameter, sequence->omega, NULL);
-    for (int k = -1; k < faces && status == SALTUS_OK; k++) {
-        if (k >= 0 && !(sequence->contacts >> k & 1 && extremes[k].value > -INFINITY))
-            continue;
-        const saltus_time time =
-            k < 0 ? saltus_time_of(sequence->base + sequence->periods) : extremes[k].time;
-        status =
-            saltus_flow_place(o->flow, 0, saltus_time_of(sequence->base), s->state, sequence->contacts, NULL);
-        if (status == SALTUS_OK)
-            status = saltus_flow_coast(o->flow, 0, time, k < 0 ? extremes : NULL, NULL);
-        if (status != SALTUS_OK)
-            break;
-        saltus_flow_forces(o->flow, 0, forces);
-        for (int f = 0; f < faces; f++)
-            if (sequence->contacts >> f & 1)
-                *force = fmin(*force, forces[f]);
+    saltus_status status = saltus_orbits_tune(o, s->parameter, q->omega, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_flow_place(o->flow, 0, saltus_time_of(q->base), s->state, q->contacts, NULL);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_flow_forces(o->flow, 0, forces);
+    for (int f = 0; f < saltus_system_face_count(o->system); f++)
+        if (q->contacts >> f & 1)
+            *force = fmin(*force, forces[f]);
+    for (int k = 0; k < s->breach_count; k++) {
+        const saltus_breach *b = &s->breaches[k];
+        if (b->kind == SALTUS_BREACH_FORCE)
+            *force =
+                fmin(*force, -b->value * o->shooting->force / saltus_system_compliance(o->system, b->face));
     }
-    return status;
+    return SALTUS_OK;
 }
 
 /* An orbit whose period is an unknown is reported from its highest maximum on. If the flow does not follow
