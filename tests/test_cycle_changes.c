@@ -715,7 +715,7 @@ static void cycles_end_where_equilibria_are_born_on_them(void **unused) {
         }
         assert_true((last->impacts > 0) == (k == 2));
         assert_int_equal(sscanf(last->reason, "two equilibria are born on the orbit at m = %lf", &told), 1);
-        check_near(told, place, 1e-9);
+        check_near(told, place, 1e-11);
         check_near(last->value[0], place, 16e-3);
         branch_forget(&record);
         saltus_scene_clear(&scene);

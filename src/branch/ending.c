@@ -90,60 +90,37 @@ bool saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *at, bool 
     return meets || lost;
 }
 
-/* The parameter of the equilibrium in the hyperplane across `normal`, `by` from a place; NAN: none. */
-static double parameter_along(saltus_rests *r, const double *place, const double *normal, double by) {
-    const int unknowns = r->equations.unknowns;
-    double u[SALTUS_REST_UNKNOWNS_MAX], anchor[SALTUS_REST_UNKNOWNS_MAX];
-    int iterations;
-    for (int j = 0; j < unknowns; j++)
-        u[j] = anchor[j] = place[j] + by * normal[j];
-    saltus_status status = saltus_newton(&r->equations, u, normal, anchor, true, &iterations, NULL);
-    return saltus_rests_noted(r, status) == SALTUS_OK ? u[unknowns - 1] : NAN;
-}
-
-/* The extreme parameter of the equilibria along a normal through `place`, which has the cycles' parameter.
- * Along it the parameter of the equilibria is a parabola, and none exists on the side of the cycles. */
-static bool find_birth(saltus_rests *r, const double *place, const double *normal, double *parameter) {
-    const double far = 0.1;
-    double centre = 0;
-    for (double reach = 1e-2; reach > 1e-5; reach *= 0.1) {
-        const double low = parameter_along(r, place, normal, centre - reach),
-                     middle = parameter_along(r, place, normal, centre),
-                     high = parameter_along(r, place, normal, centre + reach), bend = low - 2 * middle + high;
-        *parameter = middle - (high - low) * (high - low) / (8 * bend);
-        centre -= reach * (high - low) / (2 * bend);
-        if (!(bend * (place[r->equations.unknowns - 1] - *parameter) < 0 && fabs(centre) < far))
-            return false;
-    }
-    return true;
-}
-
-/* The same at the slowest point of a cycle, with the normal along the flow. */
+/* The fold of equilibria near the slowest point of a cycle. At the cycle's parameter there are none. */
 static bool seek_birth(saltus_orbits *o, const saltus_solution *s, double *parameter) {
-    saltus_rests r = {.family = o->family, .origin = {o->origin}};
-    double slowest[SALTUS_STATE_MAX] = {0}, field[SALTUS_STATE_MAX], place[SALTUS_REST_UNKNOWNS_MAX],
-           normal[SALTUS_REST_UNKNOWNS_MAX], speed, size = 0;
+    saltus_rests r = {.family = o->family, .origin = {o->origin}, .special = {.kind = SALTUS_POINT_LP}};
+    const saltus_equations *e = &r.equations;
+    saltus_curve_point at = {.unknowns = 0};
+    double slowest[SALTUS_STATE_MAX] = {0}, speed, along = 0;
     bool found = false;
     saltus_status status = go_around(o, s, NULL, slowest, &speed);
     if (status == SALTUS_OK)
         status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, slowest, NULL);
     if (status == SALTUS_OK && !saltus_flow_contacts(o->flow, 0)) {
-        saltus_flow_field(o->flow, 0, field);
         status = saltus_rests_open(&r, NULL);
         if (status == SALTUS_OK)
-            status = saltus_rests_shape(&r, 0, slowest, s->parameter, NULL);
+            status = saltus_rests_begin(&r, 0, slowest, s->parameter, &at, NULL);
         if (status == SALTUS_OK)
-            status = saltus_rests_fill(&r, s->parameter, slowest, place, NULL);
-        for (int i = 0; i < o->n && status == SALTUS_OK; i++)
-            slowest[i] += field[i] / speed;
+            status = saltus_rests_null_vectors(&r, at.u, r.special.right, r.special.left, NULL);
         if (status == SALTUS_OK)
-            status = saltus_rests_fill(&r, s->parameter, slowest, normal, NULL);
-        for (int j = 0; j < r.equations.unknowns && status == SALTUS_OK; j++)
-            size = hypot(size, normal[j] -= place[j]);
-        for (int j = 0; j < r.equations.unknowns && status == SALTUS_OK; j++)
-            normal[j] /= size;
-        found = status == SALTUS_OK && size > 0 && find_birth(&r, place, normal, parameter);
+            status = saltus_newton(&r.equations, at.u, NULL, NULL, true, &at.iterations, NULL);
+        for (int i = 0; i < r.size && status == SALTUS_OK; i++)
+            along += r.special.left[i] * e->jacobian[i * e->unknowns + r.size];
+        if (status == SALTUS_OK) {
+            /* The second derivative of the parameter along the curve of equilibria has the sign of the
+             * special equation's derivative along the null vector, over that of the others by the parameter.
+             */
+            const double bend =
+                saltus_dot(e->jacobian + r.size * e->unknowns, r.special.right, r.size) * along;
+            *parameter = at.u[r.size];
+            found = bend * (s->parameter[0] - *parameter) < 0;
+        }
         o->starved |= r.starved;
+        saltus_curve_clear(&at);
         saltus_rests_close(&r);
     }
     saltus_orbits_noted(o, status);
