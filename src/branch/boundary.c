@@ -241,12 +241,6 @@ static double impact_speed(const saltus_solution *s) {
     return saltus_solution_speed_range(s, &slowest, &fastest) && s->sequence.omega > 0 ? fastest : INFINITY;
 }
 
-/* Whether cycles with impacts, but without lasting contacts, are small and shrink from `here` to `next`. */
-static bool shrink(const saltus_solution *here, const saltus_solution *next) {
-    const double small = 1e-2, near = impact_speed(here), far = impact_speed(next);
-    return far < small && far < near && saltus_solution_way(next) < small;
-}
-
 /* The state in the middle of a cycle's longest flight between impacts, a point that such cycles have in
  * common, and the sequence from there. */
 static saltus_status cut_in_flight(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
@@ -259,13 +253,13 @@ static saltus_status cut_in_flight(saltus_orbits *o, const saltus_solution *s, s
 bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const saltus_solution *next,
                            saltus_solution *at, saltus_zero *zero, double *value) {
     enum { rounds = 5 };
-    const double nearer = 0.2;
+    const double nearer = 0.2, small = 1e-2;
     const int n = o->n;
     double state[2][SALTUS_STATE_MAX], guess[SALTUS_STATE_MAX];
     double place[2] = {here->parameter[0], next->parameter[0]};
     double size[2] = {impact_speed(here), impact_speed(next)}, end = NAN, before = NAN;
     saltus_sequence sequence;
-    if (!shrink(here, next))
+    if (!(size[1] < small && size[1] < size[0] && saltus_solution_way(next) < small))
         return false;
     bool sound = cut_in_flight(o, here, &sequence, state[0]) == SALTUS_OK &&
                  cut_in_flight(o, next, &sequence, state[1]) == SALTUS_OK;
