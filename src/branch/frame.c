@@ -24,37 +24,25 @@ static bool better_section(saltus_orbits *o, const saltus_solution *s, bool leav
     return *turning || *time != begin;
 }
 
-/* The same orbit with the cuts of another sequence, whose base has this state. */
-static saltus_status place_by_cuts(saltus_orbits *o, const saltus_solution *s, const saltus_sequence *fresh,
-                                   const double *state, saltus_solution *out) {
+/* Build a solution again with another sequence, whose base has this `state` if it is a turning point (NULL:
+ * it is none). If the period is an unknown, that state is the anchor of a new base. */
+static saltus_status place(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
+                           const int *order, const double *state, saltus_solution *out) {
+    const saltus_sequence *old = &s->sequence;
+    const bool anchored = fresh->omega > 0 && (fresh->base != old->base || state);
     double *states;
     saltus_status status = saltus_solution_states_at(o, s, fresh, &states, NULL);
-    if (status == SALTUS_OK) {
+    if (status == SALTUS_OK && state)
         memcpy(states, state, (size_t)o->n * sizeof *states);
-        status = saltus_solution_restore(o, fresh, s->parameter, states, false, out, NULL);
-    }
-    free(states);
-    return status;
-}
-
-/* Build a solution again with another sequence; `turning`: `state` is already the one at its base. If the
- * period is an unknown, that state is the anchor of a new base. */
-static saltus_status place(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
-                           const int *order, bool turning, double *state, saltus_solution *out) {
-    const saltus_sequence *old = &s->sequence;
-    const double later = fresh->base < old->base ? fresh->base + old->periods : fresh->base;
-    const bool anchored = fresh->omega > 0 && (fresh->base != old->base || turning);
-    saltus_status status = turning ? SALTUS_OK : saltus_solution_state_at(o, s, later, state, NULL);
     if (status == SALTUS_OK && anchored)
         status = saltus_orbits_tune(o, s->parameter, fresh->omega, NULL);
     if (status == SALTUS_OK && anchored)
-        status = saltus_flow_place(o->flow, 0, saltus_time_of(fresh->base), state, fresh->contacts, NULL);
+        status = saltus_flow_place(o->flow, 0, saltus_time_of(fresh->base), states, fresh->contacts, NULL);
     if (status == SALTUS_OK && anchored)
-        saltus_sequence_anchor(fresh, o->flow, turning);
-    if (status == SALTUS_OK && old->cuts == 1)
-        status = saltus_solution_place(o, fresh, s->parameter, state, false, out, NULL);
-    else if (status == SALTUS_OK)
-        status = place_by_cuts(o, s, fresh, state, out);
+        saltus_sequence_anchor(fresh, o->flow, state);
+    if (status == SALTUS_OK)
+        status = saltus_solution_restore(o, fresh, s->parameter, states, false, out, NULL);
+    free(states);
     if (status != SALTUS_OK || o->family.parameters != 1)
         return status;
     double *guide = calloc((size_t)saltus_sequence_unknowns(fresh, o->n) + 1, sizeof *guide);
@@ -82,7 +70,7 @@ static bool reframe(saltus_orbits *o, bool trims, bool leaves, bool more, saltus
         saltus_sequence_turn(&s->sequence, section, cuts, &fresh, order);
     else if (!saltus_sequence_reframe(&s->sequence, speed, cuts, trims, &fresh, order))
         return false;
-    if (saltus_orbits_noted(o, place(o, s, &fresh, order, turning, state, scratch)) != SALTUS_OK) {
+    if (saltus_orbits_noted(o, place(o, s, &fresh, order, turning ? state : NULL, scratch)) != SALTUS_OK) {
         saltus_orbits_reshape(o, s);
         return false;
     }
