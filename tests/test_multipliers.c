@@ -261,6 +261,14 @@ static void hidden_by_the_largest(void **unused) {
         assert_true(isnan(found[3].re) && isnan(found[3].log_modulus));
         assert_int_equal(saltus_multipliers_unstable(found, count), -1);
         assert_false(saltus_multipliers_stable(found, count));
+        /* An impact without rebound takes a direction whole: shorter segments would not help. */
+        cocycle.autonomous = true;
+        cocycle.sum_rule = -INFINITY;
+        cocycle.periods = 1;
+        cocycle.fields = (double[]){1, 0, 0, 0};
+        cocycle.scale = (double[]){1, 1, 1, 1};
+        check_ok(saltus_cocycle_solve(&cocycle, found, &count, &trivial, &log_volume, &message), &message);
+        assert_true(cocycle.wanted == 0);
         /* Nothing is known of an orbit that the flow does not complete. */
         assert_int_equal(saltus_multipliers_unstable(found, 0), -1);
         assert_false(saltus_multipliers_stable(found, 0));

@@ -559,11 +559,12 @@ static void mark_hidden(saltus_cocycle *cocycle, saltus_multiplier *out, int cou
     const double over_segment = 10; /* contraction that leaves the smallest multiplier its digits */
     const double many = 5000;       /* segments */
     const double hidden = -18; /* logarithm of the growth over a segment, below which its errors hide it */
-    /* Only after one lap it is known how much the flow contracts. */
+    /* Only after one lap it is known how much the flow contracts; what an impact without rebound takes, no
+     * number of segments spreads. */
     const int n = cocycle->n;
     double wanted = fmin(-cocycle->sum_rule / over_segment, bytes_max / (8.0 * n * n)) / cocycle->periods;
     const bool last = count == 1 && cocycle->zeros == 0 && wanted * cocycle->periods > many;
-    if (!isnan(cocycle->sum_rule) && wanted > cocycle->density && !last)
+    if (isfinite(cocycle->sum_rule) && wanted > cocycle->density && !last)
         cocycle->wanted = wanted;
     for (int k = 0; k < count; k++) {
         if (last || (isfinite(out[k].log_modulus) && out[k].log_modulus < hidden * cocycle->count))
