@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 
+#include "flow/flow.h"
+#include "orbit/lap.h"
 #include "saltus/scene.h"
 
 static saltus_scene scene_from(const char *text, const char *const *settings, int count) {
@@ -99,6 +101,26 @@ static void labels_on_a_curve_of_grazing_say_what_is_counted(void **unused) {
     saltus_scene_clear(&scene);
 }
 
+/* From the point's state a planar flow touches the stop after the time that is told. */
+static void check_planar_touch(const saltus_branch_point *p) {
+    saltus_message message = {.text = ""};
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_flow *flow = NULL;
+    double state[2];
+    saltus_system *system = build(&p->spec);
+    memcpy(state, p->state, sizeof state);
+    check_ok(saltus_flow_single(system, 0, &options, &flow, &message), &message);
+    check_ok(saltus_state_carry(flow, (saltus_time){0, 0}, saltus_time_of(fmax(0, p->grazing_time - 1e-6)),
+                                state, &message),
+             &message);
+    check_near(state[0], p->grazing_side * p->value[0], 1e-9);
+    check_near(state[1], 0, 1e-4);
+    if (p->event_count)
+        check_near(saltus_time_periods(p->events[0].time), p->grazing_time, 1e-9);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+}
+
 /* Van der Pol's cycle meets stops at its amplitude. Its perturbations decay in one direction only, by the
  * factor r^2 at each impact without speed: by so much the multiplier jumps, and the cycle neither folds nor
  * flips. */
@@ -124,6 +146,7 @@ static void a_planar_cycle_keeps_stable_through_grazing(void **unused) {
             if (p->kind == SALTUS_POINT_GR) {
                 check_near(p->value[0], reach, p->accuracy + 1e-11);
                 assert_true(p->accuracy < 1e-10);
+                check_planar_touch(p);
             } else if (p->impacts == 0) {
                 before = p->multipliers[0].re;
             } else if (isnan(after)) {

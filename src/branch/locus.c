@@ -242,11 +242,11 @@ static void give_as(saltus_locus *l, const saltus_locus_point *p, saltus_notice 
     const bool located = what.kind != l->x.kind && (what.kind != SALTUS_POINT_EP || what.reason == shrinks);
     const double breach = saltus_corner_breach(&l->x, s);
     const bool grazes = l->x.kind == SALTUS_POINT_GR, grazing = grazes || fabs(breach) < 1e-8;
-    int returns;
+    saltus_cycle_count count;
     saltus_branch_point point;
     if (!l->trail->following)
         return;
-    l->trail->following = saltus_point_make(&l->x.orbits, s, grazing, &point, &returns);
+    l->trail->following = saltus_point_make(&l->x.orbits, s, grazing, &point, &count);
     if (!l->trail->following)
         return;
     point.locus = l->x.kind;
@@ -265,7 +265,7 @@ static void give_as(saltus_locus *l, const saltus_locus_point *p, saltus_notice 
         point.admissible = breach < 1e-9;
     if (grazes) {
         const saltus_mark *own = &s->sequence.mark[l->x.mark];
-        const saltus_breach touch = {.face = own->face, .time = own->time};
+        const saltus_breach touch = {.face = own->face, .time = saltus_point_time(s, &count, own->time)};
         saltus_point_mark_grazing(l->x.orbits.system, &touch, &point);
     }
     what.accuracy = located ? p->doubt * family->unit[0] : NAN;

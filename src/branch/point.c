@@ -171,25 +171,37 @@ static saltus_status find_contact_force(saltus_orbits *o, const saltus_solution 
     return SALTUS_OK;
 }
 
+double saltus_point_time(const saltus_solution *s, const saltus_cycle_count *count, double time) {
+    const double close = 1e-9; /* to the state, which counts as the state's */
+    if (count->returns < 0)
+        return time;
+    const double since = (time - s->sequence.base) / s->sequence.periods - count->first;
+    return fmax(0, since - floor(since + close));
+}
+
 /* An orbit whose period is an unknown is reported from its highest maximum on. If the flow does not follow
- * it, it is reported as prescribed. */
+ * it, its events are reported as prescribed. */
 static void from_maximum(saltus_orbits *o, const saltus_solution *s, bool found, saltus_branch_point *point,
-                         int *returns) {
+                         saltus_cycle_count *count) {
     saltus_lap lap = {.keeps_events = true};
     saltus_spec_set_omega(&point->spec, 2 * M_PI / point->period);
     if (saltus_cycle_around(o, s, &lap)) {
-        *returns = lap.returns;
+        *count = (saltus_cycle_count){lap.returns, lap.first};
         point->periods = lap.periods;
         memcpy(point->state, lap.points, (size_t)o->n * sizeof *point->state);
         if (found && lap.event_count == point->event_count && lap.event_count)
             memcpy(point->events, lap.events, (size_t)lap.event_count * sizeof *point->events);
+        for (int k = 0; k < point->event_count && !found; k++)
+            point->events[k].time =
+                saltus_time_of(saltus_point_time(s, count, saltus_time_periods(point->events[k].time)));
+        fold_events(point->events, point->event_count, point->periods);
         saltus_orbit_label(point->impacts, point->periods, point->label);
     }
     saltus_lap_close(&lap);
 }
 
 bool saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescribed,
-                       saltus_branch_point *point, int *returns) {
+                       saltus_branch_point *point, saltus_cycle_count *count) {
     const saltus_survey *survey = &s->survey;
     const int seen = survey->lap.event_count, periods = s->sequence.periods;
     const bool found = survey->follows && !prescribed;
@@ -198,7 +210,7 @@ bool saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescrib
     const double rest = s->value - (o->origin + o->family.unit[0] * s->parameter[0]);
     const saltus_spec spec = saltus_family_spec(&o->family, s->parameter, s->sequence.omega);
     const size_t state_bytes = (size_t)o->n * sizeof *point->state;
-    *returns = -1;
+    *count = (saltus_cycle_count){.returns = -1};
     const bool room = saltus_point_open(point, o->n, found ? seen : seen + s->sequence.count);
     o->starved |= !room;
     if (!room)
@@ -235,7 +247,7 @@ bool saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescrib
     }
     fold_events(point->events, point->event_count, periods);
     if (s->sequence.omega > 0)
-        from_maximum(o, s, found, point, returns);
+        from_maximum(o, s, found, point, count);
     return true;
 }
 

@@ -37,9 +37,9 @@ static void tell_returns(const saltus_trace *t, int returns, int before, double 
 
 void saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltus_notice what) {
     char reason[SALTUS_REASON_MAX];
-    int returns;
+    saltus_cycle_count count;
     saltus_branch_point point;
-    if (!saltus_point_make(&t->orbits, s, what.change, &point, &returns)) {
+    if (!saltus_point_make(&t->orbits, s, what.change, &point, &count)) {
         t->trail->following = false;
         return;
     }
@@ -54,6 +54,7 @@ void saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltus_notice 
     }
     /* Without forcing, an orbit may lose or gain a return to its section, such as a maximum, without any
      * change of the branch: the first point behind says so, and since which parameter value. */
+    const int returns = count.returns;
     if (s->sequence.omega > 0 && s->survey.walked && returns >= 0) {
         if (t->returns >= 0 && returns != t->returns && !(what.reason && what.reason[0]) && !what.addition) {
             tell_returns(t, returns, t->returns, t->counted, reason);
@@ -65,6 +66,9 @@ void saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltus_notice 
     saltus_lap lap = {0};
     const bool known = point.periods > 1 && s->sequence.omega == 0 && saltus_trail_keeps(what.kind) &&
                        saltus_solution_section(&t->orbits, s, point.state, &lap);
+    saltus_breach touch = what.grazing ? *what.grazing : (saltus_breach){.time = 0};
+    touch.time = saltus_point_time(s, &count, touch.time);
+    what.grazing = what.grazing ? &touch : NULL;
     saltus_trail_give(t->trail, t->orbits.system, &point, known ? lap.points : NULL, &what,
                       &t->orbits.starved);
     saltus_lap_close(&lap);

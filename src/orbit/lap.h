@@ -16,9 +16,10 @@
 
 typedef struct saltus_lap {
     const saltus_system *system;
-    int periods;         /* of the orbit; set by saltus_lap_around */
-    int returns;         /* returns of a cycle to its section: its periods, or 0; set by saltus_lap_cycle */
-    bool keeps_events;   /* fill `events`, ... */
+    int periods;       /* of the orbit; set by saltus_lap_around */
+    int returns;       /* returns of a cycle to its section: its periods, or 0; set by saltus_lap_cycle */
+    double first;      /* periods from the given state to the first section point; set by saltus_lap_cycle */
+    bool keeps_events; /* fill `events`, ... */
     bool keeps_turnings; /* ... turning points included */
     long long impacts;   /* those located one by one */
     long long impacts_by_face[SALTUS_FACES_MAX];

@@ -293,10 +293,13 @@ static bool hand_over(saltus_lap *lap, const section *s, const saltus_system *sy
     for (int k = 0; k < s->rows.count; k++)
         memcpy(lap->points + (size_t)k * n, row_of(s, (highest + k) % s->rows.count) + row_state,
                n * sizeof *state);
-    if (s->rows.count == 0)
+    if (s->rows.count == 0) {
+        lap->first = 0;
         return true;
+    }
     /* The events' times are counted from there. */
     const double origin = fmod(row_of(s, highest)[row_time], 1);
+    lap->first += origin;
     int first = 0;
     for (int k = 0; k < lap->event_count; k++) {
         const double time = saltus_time_periods(lap->events[k].time) - origin;
@@ -373,6 +376,7 @@ saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double 
     memcpy(state, start, (size_t)s.n * sizeof *state);
     saltus_status status = saltus_cycle_leave(flow, state, &later, message);
     saltus_lap_begin(lap, system, state);
+    lap->first = later;
     if (status == SALTUS_OK)
         status = walk(&s, lap, flow, state, INFINITY, message);
     if (status == SALTUS_OK) {
