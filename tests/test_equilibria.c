@@ -146,6 +146,22 @@ static void branches_leave_at_branch_points(void **unused) {
     }
 }
 
+/* The cycles of a linear oscillator are born on neither side; rounding of its terms decides nothing. */
+static void hopf_points_of_linear_motion_are_not_decided(void **unused) {
+    (void)unused;
+    static const char *const motions[] = {"mu*x' - x", "mu*x' - 1.7*x + 0.3", "mu*x' - x/3",
+                                          "mu*x' - 17*x - 1"};
+    for (size_t k = 0; k < sizeof motions / sizeof motions[0]; k++) {
+        saltus_scene scene = scene_of("mu: {default: -0.3}", motions[k], "");
+        saltus_branch_options options = branch_along("mu", -0.3, 0.5);
+        options.direction = 1;
+        branch_record record = follow(&scene, &options);
+        assert_non_null(strstr(special(&record, SALTUS_POINT_HB, 1)->reason, "criticality not decided"));
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
 /* x'' = mu x' - w^2 x + a x^2 + b x x' + s x^2 x' at mu = 0: by averaging (Guckenheimer & Holmes, 3.4.11) the
  * amplitude of x has r' = mu r / 2 + (s + a b / w^2) r^3 / 8, and with an eigenvector (1, i w) of unit length
  * the first Lyapunov coefficient is (s + a b / w^2) / (2 w (1 + w^2)). */
@@ -741,6 +757,7 @@ int main(void) {
         cmocka_unit_test(undamped_rests_have_no_hopf_points),
         cmocka_unit_test(a_fold_is_where_two_equilibria_meet),
         cmocka_unit_test(branches_leave_at_branch_points),
+        cmocka_unit_test(hopf_points_of_linear_motion_are_not_decided),
         cmocka_unit_test(hopf_points_have_the_coefficient_of_the_normal_form),
         cmocka_unit_test(hopf_points_close_together_are_told_apart),
         cmocka_unit_test(hopf_points_agree_with_independent_programs),

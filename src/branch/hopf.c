@@ -3,6 +3,7 @@
 #include "branch/born.h"
 
 #include <complex.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -189,7 +190,9 @@ bool saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_hopf *hopf)
         }
         before = now;
     }
-    hopf->error += 1e-14 * fabs(hopf->coefficient);
+    /* Rounding of the linear terms acts like a coefficient, too, at amplitudes of the states' scales. */
+    const double size = fmax(x.size[0], x.size[1]);
+    hopf->error += 1e-14 * fabs(hopf->coefficient) + DBL_EPSILON * hopf->omega * size * size;
     free(x.linear);
     return saltus_rests_noted(r, status) == SALTUS_OK;
 }
