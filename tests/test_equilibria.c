@@ -611,6 +611,33 @@ static void folding_cycles_grow_from_a_generalised_hopf_point(void **unused) {
     }
 }
 
+/* Van der Pol's oscillator, pushed aside to x = a, loses its stability at a = 1. That curve ends where the
+ * equilibrium meets the stop, at d = 1, and at once where it begins on a border of the range. */
+static void a_curve_of_hopf_points_ends_on_a_stop(void **unused) {
+    (void)unused;
+    saltus_scene scene = scene_of("mu: {default: 0.5}, a: {default: 0.5}", "mu*(1 - x^2)*x' - x + a",
+                                  "stop: {coordinate: x, d: 1.5, r: 0.7}\n");
+    saltus_branch_options options = branch_along("a", 0, 2);
+    snprintf(options.key[1], sizeof options.key[1], "d");
+    options.low[1] = 0.1;
+    options.high[1] = 1.5;
+    options.locus = SALTUS_POINT_HB;
+    branch_record record = follow(&scene, &options);
+    int ends = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        check_near(p->value[0], 1, 1e-12);
+        if (p->kind != SALTUS_POINT_EP)
+            continue;
+        check_near(p->value[1], ++ends == 1 ? 1.5 : 1, 1e-12);
+        assert_string_equal(p->reason,
+                            ends == 1 ? "end of the parameters' range" : "the equilibrium meets a stop");
+    }
+    assert_int_equal(ends, 2);
+    branch_forget(&record);
+    saltus_scene_clear(&scene);
+}
+
 /* A run that is cut short goes on with the same points to the last bit: equilibria with the cycles and mirror
  * images that leave them, over a stop, and along loci. */
 static void runs_are_resumed_to_the_last_bit(void **unused) {
@@ -767,6 +794,7 @@ int main(void) {
         cmocka_unit_test(loci_are_where_they_are_known),
         cmocka_unit_test(curves_meet_where_two_eigenvalues_are_zero),
         cmocka_unit_test(folding_cycles_grow_from_a_generalised_hopf_point),
+        cmocka_unit_test(a_curve_of_hopf_points_ends_on_a_stop),
         cmocka_unit_test(runs_are_resumed_to_the_last_bit),
         cmocka_unit_test(rests_are_classified_with_their_eigenvalues),
         cmocka_unit_test_setup_teardown(commands_hand_equilibria_on, open_fixture, close_fixture),

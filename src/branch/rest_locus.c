@@ -171,6 +171,11 @@ static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
     at->residual = l->rests.equations.size;
     if (status == SALTUS_OK)
         give(l, &l->here, l->rests.special.kind, 0, NULL);
+    for (int d = 0; d < 2 && status == SALTUS_OK && l->trail->following; d++) {
+        const double along = at->tangent[at->unknowns - 2 + d], aside = 1e-6, near = 1e-12;
+        if (fabs(along) > aside && fabs(l->here.parameter[d] - l->border[d][along > 0]) < near)
+            give(l, &l->here, SALTUS_POINT_EP, 0, l->trail->ends[d][along > 0]);
+    }
     return status;
 }
 
@@ -227,10 +232,10 @@ static saltus_status switch_to(saltus_rest_locus *l, saltus_branch_start *start,
     return begin(l, message);
 }
 
-/* A test whose zero is sought. */
+/* A test whose zero is sought, or with a face (otherwise -1) how far that is crossed or its contact pulls. */
 typedef struct sought {
     saltus_rest_locus *locus;
-    int test;
+    int test, face;
 } sought;
 
 static bool value_ahead(void *context, double ahead, double *value) {
@@ -242,26 +247,47 @@ static bool value_ahead(void *context, double ahead, double *value) {
         status = look(l, at, NULL);
     if (saltus_rests_noted(&l->rests, status) != SALTUS_OK)
         return false;
-    *value = at->tests[s->test];
+    *value = s->face >= 0 ? at->breach[s->face] : at->tests[s->test];
     return isfinite(*value);
 }
 
-/* Give out the points of codimension two between `here` and `next`, in order. */
-static void give_corners(saltus_rest_locus *l) {
+/* How far ahead of `here`, before `next`, the equilibrium first crosses a face or a contact pulls, and which
+ * face that is; INFINITY: nowhere. */
+static double find_leaving(saltus_rest_locus *l, int *face) {
+    const double near = 1e-9;
+    const saltus_rests *r = &l->rests;
+    double first = INFINITY;
+    for (int f = 0; f < r->system->face_count; f++) {
+        sought s = {l, 0, f};
+        const double ends[] = {0, l->next.at.ahead}, values[] = {l->here.breach[f], l->next.breach[f]};
+        double ahead, width;
+        if (f == r->special.face || !(values[1] > near))
+            continue;
+        if (!(values[0] < 0) ||
+            !saltus_curve_zero(l->rests.solver, value_ahead, &s, ends, values, &ahead, &width))
+            ahead = 0;
+        *face = ahead < first ? f : *face;
+        first = fmin(first, ahead);
+    }
+    return first;
+}
+
+/* Give out the points of codimension two between `here` and what is `last` on the step, in order. */
+static void give_corners(saltus_rest_locus *l, double last) {
     saltus_special found[SALTUS_REST_TESTS];
     int count = 0;
     double width, value;
     for (int k = 0; k < SALTUS_REST_TESTS; k++) {
-        sought s = {l, k};
+        sought s = {l, k, -1};
         saltus_special own = {.kind = tests[l->rests.special.kind][k].kind};
         const double ends[] = {0, l->next.at.ahead}, values[] = {l->here.tests[k], l->next.tests[k]};
         if (values[0] * values[1] < 0 &&
             saltus_curve_zero(l->rests.solver, value_ahead, &s, ends, values, &own.ahead, &width))
             count = saltus_special_insert(own, found, count);
     }
-    for (int i = 0; i < count && l->trail->following; i++) {
+    for (int i = 0; i < count && found[i].ahead < last && l->trail->following; i++) {
         const saltus_point_kind kind = found[i].kind;
-        sought s = {l, kind != tests[l->rests.special.kind][0].kind};
+        sought s = {l, kind != tests[l->rests.special.kind][0].kind, -1};
         if (!value_ahead(&s, found[i].ahead, &value))
             continue;
         give(l, &l->trial, kind, found[i].ahead, NULL);
@@ -289,7 +315,6 @@ static bool is_closed(const saltus_rest_locus *l) {
 
 /* One step along the current curve. */
 static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
-    const double near = 1e-9;
     saltus_rests *r = &l->rests;
     saltus_trail *trail = l->trail;
     saltus_rest *next = &l->next;
@@ -302,18 +327,19 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     if (status == SALTUS_OK)
         status = look(l, next, &why);
     const char *ends = saltus_rests_noted(r, status) == SALTUS_OK ? NULL : why.text;
+    double leaves = 0, breach;
     if (!ends) {
-        give_corners(l);
+        leaves = find_leaving(l, &face);
+        give_corners(l, leaves);
         if (!trail->following)
             return SALTUS_OK;
-        /* A face that the equilibrium has crossed or whose contact pulls. */
-        while (face < r->system->face_count && (face == r->special.face || !(next->breach[face] > near)))
-            face++;
-        if (face < r->system->face_count)
+        if (isfinite(leaves))
             ends = r->contacts >> face & 1 ? "a contact force falls to zero" : "the equilibrium meets a stop";
     }
     if (ends) {
-        give(l, &l->here, SALTUS_POINT_EP, 0, ends);
+        sought s = {l, 0, face};
+        const bool there = leaves > 0 && value_ahead(&s, leaves, &breach);
+        give(l, there ? &l->trial : &l->here, SALTUS_POINT_EP, there ? leaves : 0, ends);
         return SALTUS_OK;
     }
     if (is_closed(l)) {
