@@ -161,6 +161,36 @@ static void a_planar_cycle_keeps_stable_through_grazing(void **unused) {
     }
 }
 
+/* The impact of a planar cycle, being along the flow, never makes it fold or flip where it grazes: a mass on
+ * a belt, whose friction falls with the speed, over a stop. */
+static void curves_of_grazing_planar_cycles_are_plain(void **unused) {
+    (void)unused;
+    static const char text[] =
+        "model:\n"
+        "  parameters: {zeta: 0.05, v0: 0.95, mus: 0.4, vs: 0.5}\n"
+        "  motion: {x: -2*zeta*x' - x + mus*tanh(50*(v0 - x'))*exp(-sqrt((v0-x')^2+0.01)/vs)}\n"
+        "stop: {coordinate: x, d: 0.19, r: 0.7}\n"
+        "initial: {x: 0.1}\n";
+    saltus_scene scene = scene_from(text, NULL, 0);
+    saltus_branch_options options = branch_along("v0", 0.9, 1.1);
+    snprintf(options.key[1], sizeof options.key[1], "d");
+    options.low[1] = 0.1;
+    options.high[1] = 0.2;
+    options.locus = SALTUS_POINT_GR;
+    options.switches = 1;
+    branch_record record = branch_of(&scene, options, NULL);
+    int ends = 0;
+    for (int j = 0; j < record.count; j++) {
+        const saltus_branch_point *p = &record.point[j];
+        assert_int_equal(p->locus, SALTUS_POINT_GR);
+        ends += p->kind == SALTUS_POINT_EP;
+        assert_true(p->kind == SALTUS_POINT_GR || p->kind == SALTUS_POINT_EP);
+    }
+    assert_int_equal(ends, 2);
+    branch_forget(&record);
+    saltus_scene_clear(&scene);
+}
+
 /* A cycle between two stops meets both at once and goes on with both impacts, in steps of any length. */
 static void symmetric_cycles_pass_grazing(void **unused) {
     (void)unused;
@@ -786,6 +816,7 @@ int main(void) {
         cmocka_unit_test(grazing_is_met_from_everywhere),
         cmocka_unit_test(labels_on_a_curve_of_grazing_say_what_is_counted),
         cmocka_unit_test(a_planar_cycle_keeps_stable_through_grazing),
+        cmocka_unit_test(curves_of_grazing_planar_cycles_are_plain),
         cmocka_unit_test(symmetric_cycles_pass_grazing),
         cmocka_unit_test(impacts_of_planar_cycles_die_together),
         cmocka_unit_test(a_planar_cycle_dies_and_shrinks),

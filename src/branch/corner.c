@@ -333,6 +333,10 @@ static void measure_grazing(saltus_extended *x, const saltus_solution *s, saltus
         measure_orbit(&x->orbits, shooting, tests[1]);
     measure_orbit(&x->orbits, x->orbits.shooting, tests[0]);
     saltus_shooting_free(shooting);
+    /* The impulse is along the flow of a planar cycle: there the determinants with the impact are zero at any
+     * place, and their signs rounding. */
+    for (int k = 0; k < of_orbit && s->sequence.omega > 0 && x->orbits.n == 2; k++)
+        tests[0][k].value.mantissa = NAN;
     for (int without = 0; without < 2 && x->mirrored && x->orbits.system->mirror; without++)
         measure_mirrored(x, s, without, tests[without]);
     /* Determinants with and without the impact are of similar size if neither is zero. If complete chatter
