@@ -811,6 +811,41 @@ static void cycles_join_at_flips(void **unused) {
     branch_forget(&record[1]);
 }
 
+/* A cycle that comes from a flip has won a return since, so that their number is odd: it joins those of half
+ * its period all the same, and is not followed back from there. */
+static void cycles_with_an_odd_number_of_returns_join_at_flips(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {lam: 0.9, c: 0.05}\n"
+                               "  motion:\n"
+                               "    h: -c*h' - h - lam*al - h^3\n"
+                               "    al: -c*al' - 2*al + lam*h\n"
+                               "stop: {coordinate: h, d: 2, r: 0.7}\n"
+                               "initial: {h: 0.1}\n";
+    saltus_scene scene = scene_from(text, NULL, 0);
+    saltus_branch_options options = branch_along("d", 1.72, 2);
+    options.direction = -1;
+    options.switches = 1;
+    branch_record record = branch_of(&scene, options, NULL);
+    assert_string_equal(record.point[0].label, "2/3");
+    double flip = NAN;
+    for (int j = 0; j < record.count; j++) {
+        const saltus_branch_point *p = &record.point[j];
+        assert_int_not_equal(p->kind, SALTUS_POINT_BP);
+        assert_true(p->branch == 0 || p->impacts < 2);
+        if (p->kind == SALTUS_POINT_PD) {
+            assert_int_equal(p->branch, 0);
+            assert_true(isnan(flip));
+            flip = p->value[0];
+        } else if (p->branch > 0 && isfinite(p->multipliers[0].re) && p->value[0] == flip) {
+            check_near(p->multipliers[0].re, -1, 1e-8);
+        }
+    }
+    check_near(flip, 1.7452718251906, 1e-11);
+    branch_forget(&record);
+    saltus_scene_clear(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grazing_is_met_from_everywhere),
@@ -830,6 +865,7 @@ int main(void) {
         cmocka_unit_test(cycles_of_several_impacts_are_born_at_a_stop),
         cmocka_unit_test(cycles_end_where_equilibria_are_born_on_them),
         cmocka_unit_test(cycles_join_at_flips),
+        cmocka_unit_test(cycles_with_an_odd_number_of_returns_join_at_flips),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

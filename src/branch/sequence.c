@@ -128,6 +128,18 @@ static void find_bound(const saltus_sequence *s, bool *bound) {
         bound[k] = passing(s, held[k]) || s->mark[k].driven;
 }
 
+void saltus_sequence_even(saltus_sequence *s) {
+    if (!(s->omega > 0 && s->periods % 2))
+        return;
+    s->periods *= 2;
+    s->omega *= 2;
+    s->base *= 2;
+    for (int k = 0; k < s->count; k++)
+        s->mark[k].time *= 2;
+    for (int k = 0; k < s->cuts; k++)
+        s->cut[k] *= 2;
+}
+
 saltus_sequence saltus_sequence_first_half(const saltus_sequence *s) {
     saltus_sequence half = *s;
     half.periods = s->periods / 2;

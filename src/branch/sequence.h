@@ -21,6 +21,9 @@ void saltus_sequence_without(const saltus_sequence *old, const bool gone[SALTUS_
 bool saltus_sequence_join(const saltus_sequence *first, const saltus_sequence *second,
                           saltus_sequence *fresh);
 
+/* Without forcing: count the times of an orbit by half their unit where an odd number of units makes the
+ * orbit, so that its halves are seen. */
+void saltus_sequence_even(saltus_sequence *sequence);
 /* The first half of an orbit of even period whose halves are alike. */
 saltus_sequence saltus_sequence_first_half(const saltus_sequence *sequence);
 

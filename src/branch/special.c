@@ -512,6 +512,8 @@ saltus_status saltus_special_between(saltus_orbits *o, saltus_orbits *own, const
         sequence.mark[k].time += shift;
         sequence.mark[k + marks].time -= shift;
     }
+    if (!mirrored)
+        saltus_sequence_even(&sequence);
     if (status == SALTUS_OK)
         status = saltus_solution_restore(own, &sequence, at->parameter, states, !mirrored, between, NULL);
     free(states);
@@ -535,10 +537,17 @@ static void repeat(saltus_orbits *o, const saltus_solution *from, const saltus_s
     saltus_sequence sequence = at->sequence;
     const saltus_mark *mark = orbit->sequence.mark;
     const int count = orbit->sequence.count;
+    /* Its times may be counted in half of the unit (saltus_sequence_even). */
+    const double unit = orbit->sequence.omega > 1.5 * sequence.omega ? 0.5 : 1,
+                 part = unit * orbit->sequence.periods;
     for (int k = 0; k < sequence.count; k++)
-        sequence.mark[k].time = mark[k % count].time + (double)orbit->sequence.periods * (k / count);
+        sequence.mark[k].time = unit * mark[k % count].time + part * (k / count);
+    saltus_sequence asked = sequence;
+    asked.base /= unit;
+    for (int j = 0; j < asked.cuts; j++)
+        asked.cut[j] /= unit;
     double *states;
-    saltus_status status = saltus_solution_states_at(o, orbit, &sequence, &states, NULL);
+    saltus_status status = saltus_solution_states_at(o, orbit, &asked, &states, NULL);
     if (status == SALTUS_OK)
         status = saltus_shooting_shape(o->shooting, &sequence, NULL);
     if (status == SALTUS_OK)
@@ -689,7 +698,8 @@ bool saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double 
     if (special->kind == SALTUS_POINT_LP && !ends && is_beside_join(o, from, at))
         is_one = false;
     /* The multipliers of an orbit that is its own mirror image are squares: rounding alone makes one -1. */
-    if (special->kind == SALTUS_POINT_PD && o->system->mirror && at->sequence.periods % 2 &&
+    if (special->kind == SALTUS_POINT_PD && o->system->mirror &&
+        (at->sequence.omega > 0 || at->sequence.periods % 2) &&
         saltus_solution_part_distance(o, at, 1, NULL) < asymmetric)
         is_one = false;
     const bool by_determinant = is_fold || special->kind == SALTUS_POINT_PD;

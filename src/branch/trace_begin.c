@@ -28,12 +28,14 @@ saltus_status saltus_trace_begin(saltus_trace *t, int periods, const double *sta
     start.state = orbit.state;
     start.states = o->n;
     /* A cycle that comes from flips has two, four, .. of the clock's periods, so that the place is seen where
-     * it joins shorter ones. */
+     * it joins shorter ones; it may have lost or won a return since. */
     const int turns = cycle && lap.periods > 0 ? lap.periods & -lap.periods : orbit.periods;
     if (status == SALTUS_OK && cycle)
         status = saltus_orbits_tune(o, at_start, orbit.omega * turns, message);
     if (status == SALTUS_OK)
         status = saltus_sequence_make(o->flow, turns, cycle, orbit.state, &lap, &start.sequence, message);
+    if (status == SALTUS_OK)
+        saltus_sequence_even(&start.sequence);
     saltus_system_free(clocked);
     if (status == SALTUS_OK)
         saltus_starts_add_ways(t->starts, &start, t->trail->options->direction, &o->starved);
@@ -95,9 +97,11 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
     double growth = 0;
     if (is_small(start)) {
         const bool hopf = start->origin == SALTUS_POINT_HB;
+        saltus_branch_start even = *start;
+        saltus_sequence_even(&even.sequence);
         for (int k = 0; k < 4 && status != SALTUS_OK; k++)
-            status = saltus_orbits_noted(o, hopf ? hopf_cycle(o, start, apart[1][k], here, why)
-                                                 : saltus_boundary_cycle(o, start, apart[0][k], here, why));
+            status = saltus_orbits_noted(o, hopf ? hopf_cycle(o, &even, apart[1][k], here, why)
+                                                 : saltus_boundary_cycle(o, &even, apart[0][k], here, why));
         return status;
     }
     if (start->unknowns)

@@ -11,12 +11,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+static double period_of(const saltus_orbits *o, const saltus_sequence *s, double parameter) {
+    const saltus_spec spec = saltus_family_spec(&o->family, &parameter, s->omega);
+    return s->periods * 2 * M_PI / saltus_spec_omega(&spec);
+}
+
 void saltus_trace_drop_starts(saltus_trace *t) {
     const saltus_branch_point *point = saltus_trail_last(t->trail);
     for (int k = t->starts->count - 1; k >= 0; k--) {
         const saltus_branch_start *start = &t->starts->start[k];
         double value = t->orbits.origin + t->orbits.family.unit[0] * start->parameter[0];
-        if (start->place == 0 && start->origin == point->kind && start->sequence.periods == point->periods &&
+        const double period = period_of(&t->orbits, &start->sequence, start->parameter[0]);
+        if (start->place == 0 && start->origin == point->kind &&
+            fabs(period - point->period) <= 1e-4 * period &&
             fabs(value - point->value[0]) < 1e-7 * t->orbits.family.unit[0])
             saltus_starts_remove(t->starts, k);
     }
@@ -70,7 +77,8 @@ bool saltus_trace_was_joined(saltus_trace *t, const saltus_solution *s, saltus_p
                              int *other) {
     saltus_lap lap = {0};
     const int place = saltus_solution_section(&t->orbits, s, s->survey.lap.points, &lap)
-                          ? saltus_trail_find(t->trail, t->orbits.system, kind, s->sequence.periods, value,
+                          ? saltus_trail_find(t->trail, t->orbits.system, kind,
+                                              period_of(&t->orbits, &s->sequence, s->parameter[0]), value,
                                               lap.points, lap.periods, true, other)
                           : 0;
     saltus_lap_close(&lap);
@@ -86,12 +94,12 @@ static void add_joined(saltus_trace *t, const saltus_solution *orbit, saltus_bra
                        const saltus_sequence *sequences, double value) {
     saltus_lap lap = {0};
     saltus_orbits *o = &t->orbits;
-    const int periods = start->sequence.periods;
+    const double period = period_of(o, &start->sequence, start->parameter[0]);
     if (saltus_solution_section(o, orbit, orbit->survey.lap.points, &lap) &&
-        !saltus_trail_find(t->trail, o->system, start->origin, periods, value, lap.points, lap.periods, false,
+        !saltus_trail_find(t->trail, o->system, start->origin, period, value, lap.points, lap.periods, false,
                            NULL)) {
         start->place =
-            saltus_trail_join(t->trail, o->system, start->origin, periods, value, lap.points, &o->starved);
+            saltus_trail_join(t->trail, o->system, start->origin, period, value, lap.points, &o->starved);
         if (!sequences)
             saltus_starts_add_ways(t->starts, start, 0, &o->starved);
         for (int k = 0; k < 2 && sequences; k++) {
@@ -181,6 +189,8 @@ void saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, boo
     }
     double *states;
     const saltus_status status = saltus_solution_states_at(o, at, &sequences[0], &states, NULL);
+    saltus_sequence_even(&sequences[0]);
+    saltus_sequence_even(&sequences[1]);
     start.sequence = sequences[0];
     start.parameter[0] = at->parameter[0];
     start.state = states;

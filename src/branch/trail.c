@@ -108,12 +108,13 @@ static void add_visited(saltus_trail *t, const visited *fresh, const double *sta
     memcpy(own->state, state, (size_t)n * sizeof *state);
 }
 
-int saltus_trail_find(const saltus_trail *t, const saltus_system *system, saltus_point_kind kind, int periods,
-                      double value, const double *points, int count, bool joined, int *branch) {
+int saltus_trail_find(const saltus_trail *t, const saltus_system *system, saltus_point_kind kind,
+                      double period, double value, const double *points, int count, bool joined,
+                      int *branch) {
     const double close_value = 1e-7 * (t->options->high[0] - t->options->low[0]), close_state = 1e-5;
     for (int k = 0; k < t->visited.count; k++) {
         const visited *v = (const visited *)t->visited.items + k;
-        if (v->kind != kind || v->periods != periods || (joined && !v->joined) ||
+        if (v->kind != kind || !(fabs(v->period - period) <= 1e-4 * period) || (joined && !v->joined) ||
             !(fabs(v->value - value) < close_value) ||
             !saltus_orbit_passes(system, points, count, v->state, close_state))
             continue;
@@ -124,10 +125,10 @@ int saltus_trail_find(const saltus_trail *t, const saltus_system *system, saltus
     return 0;
 }
 
-int saltus_trail_join(saltus_trail *t, const saltus_system *system, saltus_point_kind kind, int periods,
+int saltus_trail_join(saltus_trail *t, const saltus_system *system, saltus_point_kind kind, double period,
                       double value, const double *state, bool *starved) {
     const visited fresh = {
-        .kind = kind, .branch = t->number, .periods = periods, .value = value, .joined = true};
+        .kind = kind, .branch = t->number, .period = period, .value = value, .joined = true};
     add_visited(t, &fresh, state, saltus_system_dimension(system), starved);
     return t->visited.count;
 }
@@ -226,7 +227,8 @@ void saltus_trail_give(saltus_trail *t, const saltus_system *system, saltus_bran
     point->step = point->locus ? t->made : t->regular;
     point->arclength = t->arclength + what->ahead;
     point->value[0] = what->value ? *what->value : point->value[0];
-    point->accuracy = what->accuracy + DBL_EPSILON * fabs(point->value[0]);
+    /* Values are sums of where the run began and a part of the range. */
+    point->accuracy = what->accuracy + DBL_EPSILON * fmax(fabs(point->value[0]), o->high[0] - o->low[0]);
     /* These are known only from the event-driven flow, to its tolerance. */
     if (what->kind == SALTUS_POINT_CH || what->kind == SALTUS_POINT_ST)
         point->accuracy += o->orbit.flow.rtol * (o->high[0] - o->low[0]);

@@ -58,10 +58,10 @@ bool saltus_trail_keeps(saltus_point_kind kind);
  * orbit with these section points (`count`, each a state); 0: none. `joined`: only places at which branches
  * join another one on which they were not; *branch (may be NULL) becomes the number of the branch. */
 int saltus_trail_find(const saltus_trail *trail, const saltus_system *system, saltus_point_kind kind,
-                      int periods, double value, const double *points, int count, bool joined, int *branch);
+                      double period, double value, const double *points, int count, bool joined, int *branch);
 /* The current branch joins another one at such a place, with this section point. Returns the place as above.
  */
-int saltus_trail_join(saltus_trail *trail, const saltus_system *system, saltus_point_kind kind, int periods,
+int saltus_trail_join(saltus_trail *trail, const saltus_system *system, saltus_point_kind kind, double period,
                       double value, const double *state, bool *starved);
 /* Whether a point this far ahead is far enough from the last regular one to be given out as one. */
 bool saltus_trail_wants(const saltus_trail *trail, double ahead);
