@@ -611,6 +611,30 @@ static void folding_cycles_grow_from_a_generalised_hopf_point(void **unused) {
     }
 }
 
+/* Where the motion becomes linear all cycles belong to one place, which has no curve of folds: none is
+ * followed along them, nor cusps found on it. */
+static void cycles_of_linear_motion_have_no_curve_of_folds(void **unused) {
+    (void)unused;
+    saltus_scene scene = scene_of("a: {default: -0.1}, b: {default: 1}", "a*x' + b*x^2*x' - x", "");
+    saltus_branch_options options = branch_along("a", -0.5, 0.5);
+    snprintf(options.key[1], sizeof options.key[1], "b");
+    options.low[1] = -1;
+    options.high[1] = 2;
+    options.locus = SALTUS_POINT_HB;
+    options.switches = 1;
+    branch_record record = follow(&scene, &options);
+    assert_int_equal(count_of(&record, SALTUS_POINT_GH), 1);
+    assert_int_equal(count_of(&record, SALTUS_POINT_CP), 0);
+    int folds = 0;
+    for (int k = 0; k < record.count; k++)
+        folds += record.point[k].locus == SALTUS_POINT_LP;
+    assert_in_range(folds, 1, 5);
+    assert_string_equal(record.point[record.count - 1].reason,
+                        "the orbits of one value of the parameters form a family");
+    branch_forget(&record);
+    saltus_scene_clear(&scene);
+}
+
 /* Van der Pol's oscillator, pushed aside to x = a, loses its stability at a = 1. That curve ends where the
  * equilibrium meets the stop, at d = 1, and at once where it begins on a border of the range. */
 static void a_curve_of_hopf_points_ends_on_a_stop(void **unused) {
@@ -794,6 +818,7 @@ int main(void) {
         cmocka_unit_test(loci_are_where_they_are_known),
         cmocka_unit_test(curves_meet_where_two_eigenvalues_are_zero),
         cmocka_unit_test(folding_cycles_grow_from_a_generalised_hopf_point),
+        cmocka_unit_test(cycles_of_linear_motion_have_no_curve_of_folds),
         cmocka_unit_test(a_curve_of_hopf_points_ends_on_a_stop),
         cmocka_unit_test(runs_are_resumed_to_the_last_bit),
         cmocka_unit_test(rests_are_classified_with_their_eigenvalues),

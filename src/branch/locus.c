@@ -722,19 +722,25 @@ static void advance(saltus_locus *l) {
     int reached;
     bool moved = false;
     saltus_locus_zeros crossed;
+    const double still = 1e-8; /* in the plane of the parameters: only rounding is left */
     take_step(l, &reached, &crossed);
-    for (int k = 0; l->trail->following && !moved && k < crossed.count; k++)
+    const double *way = plane_of(l, l->next.at.tangent), *before = plane_of(l, l->here.at.tangent);
+    const bool family = hypot(way[0], way[1]) < still && hypot(before[0], before[1]) < still;
+    for (int k = 0; l->trail->following && !moved && !family && k < crossed.count; k++)
         moved = pass_corner(l, &crossed.zero[k]);
     if (!l->trail->following || moved)
         return;
     step_on(l);
     const bool closed = is_closed(l);
-    const double *way = plane_of(l, l->here.at.tangent);
+    way = plane_of(l, l->here.at.tangent);
     l->trail->step =
         saltus_curve_next_step(l->trail->step, l->here.at.iterations,
                                l->trail->options->step_max / fmax(hypot(way[0], way[1]), slowest));
     const bool upper = reached >= 0 && l->here.orbit.parameter[reached] == l->border[reached][1];
-    const char *reason = closed ? is_back : reached >= 0 ? l->trail->ends[reached][upper] : NULL;
+    const char *reason = closed         ? is_back
+                         : reached >= 0 ? l->trail->ends[reached][upper]
+                         : family       ? "the orbits of one value of the parameters form a family"
+                                        : NULL;
     give(l, &l->here, reason ? SALTUS_POINT_EP : l->x.kind, 0, reason);
     if (l->trail->following && !saltus_locus_reframe(&l->x, &l->here, &l->next))
         give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit));
