@@ -118,7 +118,7 @@ static void returns_do_not_depend_on_the_begin(void **unused) {
                                                  &message),
                              &message);
                 saltus_flow_state(flow, 0, state);
-                check_ok(saltus_lap_cycle(&lap, flow, state, &message), &message);
+                check_ok(saltus_lap_cycle(&lap, flow, state, NULL, &message), &message);
                 assert_int_equal(lap.periods, m.periods);
                 assert_int_equal(saltus_lap_impacts(&lap), m.impacts);
                 for (int p = 0; p < m.periods; p++)
@@ -133,6 +133,56 @@ static void returns_do_not_depend_on_the_begin(void **unused) {
             saltus_scene_clear(&scene);
         }
     assert_int_equal(chatters, 4);
+}
+
+/* Backwards in time van der Pol's cycle is so unstable (1e13-fold once around) that the flow from one state
+ * on it leaves it. Gone around in pieces, from states of the stable one, it returns once, to the same
+ * maximum. */
+static void an_unstable_cycle_is_gone_around_in_pieces(void **unused) {
+    enum { pieces = 16 };
+    (void)unused;
+    static const char *const models[] = {"model: {motion: {x: 3*(1 - x^2)*x' - x}}\ninitial: {x: 0.5}\n",
+                                         "model: {motion: {x: -3*(1 - x^2)*x' - x}}\ninitial: {x: 0.5}\n"};
+    saltus_message message = {.text = ""};
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_scene scenes[2];
+    saltus_system *systems[2], *clocked[2];
+    saltus_flow *flows[2];
+    for (int k = 0; k < 2; k++)
+        check_ok(saltus_scene_parse(models[k], strlen(models[k]), "text", &scenes[k], &message), &message);
+    saltus_motion m = settled(&scenes[0], 1e-13, &systems[0]);
+    systems[1] = build(&scenes[1].spec);
+    for (int k = 0; k < 2; k++) {
+        check_ok(saltus_system_clocked(systems[k], 2 * M_PI / m.period, &clocked[k], &message), &message);
+        check_ok(saltus_flow_single(clocked[k], 0, &options, &flows[k], &message), &message);
+    }
+    double state[pieces][2], time[pieces];
+    saltus_event event;
+    for (int k = 0; k < pieces; k++) {
+        time[k] = (k + 0.5) / pieces;
+        check_ok(saltus_flow_start(flows[0], 0, (saltus_time){0, 0}, m.state, &message), &message);
+        check_ok(saltus_flow_advance(flows[0], saltus_time_of(1 - time[k]), 0, &event, &message), &message);
+        saltus_flow_state(flows[0], 0, state[k]);
+        state[k][1] = -state[k][1];
+    }
+    saltus_lap lap = {.keeps_events = true};
+    const double begin = time[0];
+    for (int k = 0; k < pieces; k++)
+        time[k] -= begin;
+    check_ok(saltus_lap_cycle(&lap, flows[1], state[0], &(saltus_pieces){pieces - 1, time + 1, state[1]},
+                              &message),
+             &message);
+    assert_int_equal(lap.returns, 1);
+    check_near(lap.points[0], m.state[0], 1e-9);
+    check_near(lap.points[1], 0, 1e-9);
+    saltus_lap_close(&lap);
+    saltus_motion_clear(&m);
+    for (int k = 0; k < 2; k++) {
+        saltus_flow_free(flows[k]);
+        saltus_system_free(clocked[k]);
+        saltus_system_free(systems[k]);
+        saltus_scene_clear(&scenes[k]);
+    }
 }
 
 static branch_record branch_in_r(const char *r, double low, double high) {
@@ -236,6 +286,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chatter_is_one_return),
         cmocka_unit_test(returns_do_not_depend_on_the_begin),
+        cmocka_unit_test(an_unstable_cycle_is_gone_around_in_pieces),
         cmocka_unit_test(chatter_that_ceases_to_complete_is_many_returns),
         cmocka_unit_test(folds_near_a_homoclinic_orbit_are_many),
         cmocka_unit_test(branches_begin_at_many_impacts_in_a_row),

@@ -224,6 +224,8 @@ bool saltus_crossings_count(saltus_crossings *r, const saltus_flow *flow, int la
 /* The returns of a lap, with time, rank, speed of an impact, and state. */
 typedef struct section {
     saltus_crossings returns;
+    const saltus_pieces *pieces; /* of the walk, which begins this much later than they count from */
+    double later;
     int n;
     saltus_list rows;
     double begin; /* of the present walk */
@@ -349,12 +351,18 @@ static saltus_status walk(section *s, saltus_lap *lap, saltus_flow *flow, const 
     const saltus_system *system = saltus_flow_system(flow, 0);
     const unsigned watch = SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING | saltus_crossings_watch(system);
     const bool chosen = saltus_system_poincare(system).kind == SALTUS_POINCARE_ZERO;
+    const int pieces = s->pieces ? s->pieces->count : 0;
     double state[SALTUS_STATE_MAX], time = 0;
+    int piece = 0;
     saltus_event event = {.kind = SALTUS_STEP};
     saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, start, message);
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED &&
            !(event.kind == SALTUS_STICK && time >= length)) {
-        status = saltus_flow_advance(flow, (saltus_time){1, 0}, watch, &event, message);
+        while (piece < pieces && s->pieces->time[piece] <= s->later + time)
+            piece++;
+        const saltus_time until =
+            piece < pieces ? saltus_time_of(s->pieces->time[piece] - s->later) : (saltus_time){1, 0};
+        status = saltus_flow_advance(flow, until, watch, &event, message);
         time = saltus_time_periods(event.time);
         saltus_flow_state(flow, 0, state);
         if (status == SALTUS_OK &&
@@ -364,19 +372,24 @@ static saltus_status walk(section *s, saltus_lap *lap, saltus_flow *flow, const 
             s->cut = time;
             s->early = s->rows.count;
         }
+        if (status == SALTUS_OK && event.kind == SALTUS_REACHED && piece < pieces) {
+            event.kind = SALTUS_STEP;
+            status =
+                saltus_flow_start(flow, 0, until, s->pieces->state + (size_t)piece * (size_t)s->n, message);
+        }
     }
     return status;
 }
 
 saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double *start,
-                               saltus_message *message) {
+                               const saltus_pieces *pieces, saltus_message *message) {
     const saltus_system *system = saltus_flow_system(flow, 0);
-    section s = {.n = saltus_system_dimension(system)};
+    section s = {.pieces = pieces, .n = saltus_system_dimension(system)};
     double state[SALTUS_STATE_MAX], end[SALTUS_STATE_MAX], later;
     memcpy(state, start, (size_t)s.n * sizeof *state);
     saltus_status status = saltus_cycle_leave(flow, state, &later, message);
     saltus_lap_begin(lap, system, state);
-    lap->first = later;
+    lap->first = s.later = later;
     if (status == SALTUS_OK)
         status = walk(&s, lap, flow, state, INFINITY, message);
     if (status == SALTUS_OK) {
@@ -430,7 +443,7 @@ saltus_status saltus_cycle_polish(const saltus_system *system, const double *gue
     if (status == SALTUS_OK && speed < still)
         status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "Newton's iteration ends in a rest");
     if (status == SALTUS_OK)
-        status = saltus_lap_cycle(lap, flow, orbit->state, message);
+        status = saltus_lap_cycle(lap, flow, orbit->state, NULL, message);
     if (status == SALTUS_OK)
         part = lap->periods / saltus_lap_least_period(lap, &options->flow);
     saltus_flow_free(flow);

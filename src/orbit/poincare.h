@@ -47,12 +47,20 @@ bool saltus_crossings_count(saltus_crossings *returns, const saltus_flow *flow, 
  * so that a lap meets each once; *later: by how many periods. The flow has no columns. Errors: the flow's. */
 saltus_status saltus_cycle_leave(saltus_flow *flow, double *state, double *later, saltus_message *message);
 
-/* Once around an orbit of a scene without forcing, for one period of the flow from a state on it.
+/* States on an orbit from which to go on around it, where errors grow so much that the flow from one state
+ * would leave it: `count` of them, at these times in periods from the first state, ascending, below 1. */
+typedef struct saltus_pieces {
+    int count;
+    const double *time, *state;
+} saltus_pieces;
+
+/* Once around an orbit of a scene without forcing, for one period of the flow from a state on it, or in
+ * `pieces` (may be NULL).
  * lap->periods is the number of returns; the section points are the states there, beginning with the highest
  * (of impacts, the fastest), from which the events' times are counted. Without a return it is 1, and the
  * section point is the given state. The flow has no columns. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double *state,
-                               saltus_message *message);
+                               const saltus_pieces *pieces, saltus_message *message);
 
 /* Find an orbit of unknown period from a state that closes after about the system's period, and reduce it to
  * its least period. *clocked, to be freed by the caller, is the system that counts time by the orbit's
