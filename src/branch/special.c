@@ -650,9 +650,7 @@ static bool is_beside_join(saltus_orbits *o, const saltus_solution *from, const 
     return beside;
 }
 
-/* Whether all multipliers are zero: such orbits neither fold nor flip, but where one of their impacts was
- * just born the tests are zero to rounding. */
-static bool forgets_all(const saltus_survey *survey) {
+bool saltus_special_forgets(const saltus_survey *survey) {
     bool all = survey->walked;
     for (int k = 0; k < survey->multiplier_count; k++)
         all = all && survey->multipliers[k].log_modulus == -INFINITY;
@@ -692,7 +690,7 @@ bool saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double 
     bool is_one = special->kind == SALTUS_POINT_NS ? crosses_circle(o, from, special->ahead, at)
                   : special->kind == SALTUS_POINT_HB
                       ? at->speed < still
-                      : special->test == SALTUS_TEST_VALUE || !forgets_all(&at->survey);
+                      : special->test == SALTUS_TEST_VALUE || !saltus_special_forgets(&at->survey);
     bool is_fold = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP;
     const bool ends = is_fold && (joins(o, from, at, false, special) || joins(o, from, at, true, special));
     if (special->kind == SALTUS_POINT_LP && !ends && is_beside_join(o, from, at))

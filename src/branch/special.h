@@ -120,4 +120,9 @@ saltus_status saltus_starts_leave(saltus_orbits *orbits, const saltus_solution *
                                   const saltus_sequence *beyond, const saltus_branch_start *like,
                                   saltus_starts *starts, saltus_message *message);
 
+/* Whether all multipliers are zero, as after chatter of a single mass: such orbits neither fold nor flip,
+ * though the tests are zero to rounding where one of their impacts was just born, and none of twice the
+ * period leaves where one grazes. */
+bool saltus_special_forgets(const saltus_survey *survey);
+
 #endif

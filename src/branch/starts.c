@@ -144,7 +144,7 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
                            SALTUS_MARKS_MAX);
     if (!grazes)
         return leave_crossing(o, at, &start, starts, message);
-    if (joins)
+    if (joins && !saltus_special_forgets(&at->survey))
         saltus_starts_add_at(o, at, &start, starts);
     return SALTUS_OK;
 }
