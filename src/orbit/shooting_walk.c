@@ -53,16 +53,20 @@ static void begin_piece(saltus_response *r, saltus_flow *flow) {
     saltus_flow_set_tangents(flow, 0, r->tangents);
 }
 
+/* Most unknowns belong to other segments or later marks: they have no effect yet. */
 static void end_piece(saltus_response *r, saltus_flow *flow) {
     const int n = r->n, m = r->unknowns;
+    double column[SALTUS_STATE_MAX];
     saltus_flow_tangents(flow, 0, r->tangents);
     memset(r->next, 0, (size_t)(n * m) * sizeof *r->next);
-    for (int k = 0; k < n; k++)
-        for (int i = 0; i < n; i++) {
-            const double a = r->tangents[k * n + i];
-            for (int j = 0; j < r->plain; j++)
-                r->next[i * m + j] = fma(a, r->answer[k * m + j], r->next[i * m + j]);
-        }
+    for (int j = 0; j < r->plain; j++) {
+        bool acts = false;
+        for (int k = 0; k < n; k++)
+            acts |= (column[k] = r->answer[k * m + j]) != 0;
+        for (int i = 0; i < n && acts; i++)
+            for (int k = 0; k < n; k++)
+                r->next[i * m + j] = fma(r->tangents[k * n + i], column[k], r->next[i * m + j]);
+    }
     take_parameters(r, r->next);
     SALTUS_SWAP(r->answer, r->next);
 }
