@@ -139,7 +139,7 @@ static void returns_do_not_depend_on_the_begin(void **unused) {
  * on it leaves it. Gone around in pieces, from states of the stable one, it returns once, to the same
  * maximum. */
 static void an_unstable_cycle_is_gone_around_in_pieces(void **unused) {
-    enum { pieces = 16 };
+    enum { pieces = 7 };
     (void)unused;
     static const char *const models[] = {"model: {motion: {x: 3*(1 - x^2)*x' - x}}\ninitial: {x: 0.5}\n",
                                          "model: {motion: {x: -3*(1 - x^2)*x' - x}}\ninitial: {x: 0.5}\n"};

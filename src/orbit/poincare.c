@@ -351,6 +351,7 @@ static saltus_status walk(section *s, saltus_lap *lap, saltus_flow *flow, const 
     const saltus_system *system = saltus_flow_system(flow, 0);
     const unsigned watch = SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING | saltus_crossings_watch(system);
     const bool chosen = saltus_system_poincare(system).kind == SALTUS_POINCARE_ZERO;
+    const double now = 1e-12; /* periods: more than rounding */
     const int pieces = s->pieces ? s->pieces->count : 0;
     double state[SALTUS_STATE_MAX], time = 0;
     int piece = 0;
@@ -358,7 +359,7 @@ static saltus_status walk(section *s, saltus_lap *lap, saltus_flow *flow, const 
     saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, start, message);
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED &&
            !(event.kind == SALTUS_STICK && time >= length)) {
-        while (piece < pieces && s->pieces->time[piece] <= s->later + time)
+        while (piece < pieces && s->pieces->time[piece] - s->later <= time + now)
             piece++;
         const saltus_time until =
             piece < pieces ? saltus_time_of(s->pieces->time[piece] - s->later) : (saltus_time){1, 0};
