@@ -41,7 +41,7 @@ saltus_status saltus_sequence_walk(const saltus_sequence *s, saltus_flow *flow, 
 bool saltus_sequence_in_tail(const saltus_sequence *s, const double *speed, int count, int face,
                              double next_speed) {
     enum { least = 24, most = 3 * SALTUS_MARKS_MAX / 4 };
-    const double slow = 1e-6; /* relative to the first of the run */
+    const double slow = 1e-5; /* relative to the first of the run */
     int run = 0;
     while (run < count && s->mark[count - 1 - run].kind == SALTUS_IMPACT &&
            s->mark[count - 1 - run].face == face && (run == 0 || speed[count - 1 - run] > speed[count - run]))
