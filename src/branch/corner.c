@@ -252,13 +252,13 @@ bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b
     return false;
 }
 
-saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s, int *order) {
+saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s) {
     bool gone[SALTUS_MARKS_MAX] = {false};
     saltus_sequence less;
     for (int k = 0; k < s->breach_count; k++)
         if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
             gone[s->breaches[k].mark] = true;
-    saltus_sequence_without(&s->sequence, gone, &less, order);
+    saltus_sequence_without(&s->sequence, gone, &less, NULL);
     return less;
 }
 
@@ -293,7 +293,7 @@ static void measure_mirrored(saltus_extended *x, const saltus_solution *s, bool 
                              saltus_locus_test tests[2]) {
     const double together = 1e-4;
     saltus_orbits *o = &x->orbits;
-    const saltus_sequence old = without ? saltus_corner_without(x, s, NULL) : s->sequence;
+    const saltus_sequence old = without ? saltus_corner_without(x, s) : s->sequence;
     int order[SALTUS_MARKS_MAX];
     saltus_sequence halves;
     saltus_shooting *shooting = NULL;
@@ -327,7 +327,7 @@ static void measure_grazing(saltus_extended *x, const saltus_solution *s, saltus
     for (int k = 0; k < s->breach_count; k++)
         if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
             saltus_corner_still(&x->orbits, x->orbits.shooting, s->breaches[k].mark);
-    const saltus_sequence less = saltus_corner_without(x, s, NULL);
+    const saltus_sequence less = saltus_corner_without(x, s);
     const saltus_status status = saltus_orbits_evaluate(&x->orbits, s, &less, &shooting, NULL);
     if (saltus_orbits_noted(&x->orbits, status) == SALTUS_OK)
         measure_orbit(&x->orbits, shooting, tests[1]);
@@ -408,7 +408,7 @@ int saltus_corner_measure(saltus_extended *x, const saltus_curve_point *point, c
  * after a long run of impacts, most of that vector lies in their times, which parameters hardly move. */
 static bool is_branch_point(saltus_extended *x, const saltus_solution *s, bool without) {
     const double across = 1e-8;
-    saltus_sequence sequence = without ? saltus_corner_without(x, s, NULL) : s->sequence;
+    saltus_sequence sequence = without ? saltus_corner_without(x, s) : s->sequence;
     saltus_shooting *shooting = NULL;
     double value, *a = NULL;
     saltus_status status = saltus_orbits_evaluate(&x->orbits, s, &sequence, &shooting, NULL);

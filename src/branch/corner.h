@@ -38,10 +38,8 @@ const saltus_breach *saltus_corner_touch(const saltus_extended *extended, const 
 double saltus_corner_breach(const saltus_extended *extended, const saltus_solution *orbit);
 /* Whether a breach says that a contact which completes chatter shrinks to zero length. */
 bool saltus_corner_ends_chatter(const saltus_solution *orbit, const saltus_breach *breach);
-/* The sequence of an orbit without the grazing impact that is followed and its mirror image, and where its
- * marks stood: `order` (may be NULL). */
-saltus_sequence saltus_corner_without(const saltus_extended *extended, const saltus_solution *orbit,
-                                      int *order);
+/* The sequence of an orbit without the grazing impact that is followed and its mirror image. */
+saltus_sequence saltus_corner_without(const saltus_extended *extended, const saltus_solution *orbit);
 /* Evaluate all functions at a point, from the last evaluation of the extended equations and the orbit there.
  * Returns their number, which depends only on the kind of locus. */
 int saltus_corner_measure(saltus_extended *extended, const saltus_curve_point *point,

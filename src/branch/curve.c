@@ -480,8 +480,8 @@ bool saltus_curve_zero(gsl_root_fsolver *solver, saltus_curve_function *function
 }
 
 bool saltus_curve_cross(saltus_curve_function *function, void *context, const saltus_curve_point *from,
-                        const saltus_curve_point *at, double middle, double apart, bool straddles,
-                        double *work, double *ahead, double *spread) {
+                        const saltus_curve_point *at, double middle, double apart, double *work,
+                        double *ahead, double *spread) {
     enum { samples = 6 };
     static const double place[samples] = {-1, 1, -2, 2, -3, 3};
     const int m = from->unknowns;
@@ -491,7 +491,7 @@ bool saltus_curve_cross(saltus_curve_function *function, void *context, const sa
             return false;
         for (int j = 0; j < m; j++)
             u[j * samples + k] = at->u[j];
-        if (straddles && k % 2 && !(test[k] * test[k - 1] < 0))
+        if (k % 2 && !(test[k] * test[k - 1] < 0))
             return false;
     }
     *ahead = 0;
@@ -521,7 +521,7 @@ saltus_status saltus_curve_crossing(saltus_equations *e, saltus_curve_function *
      * the place, outweighs the curvature. */
     for (int pass = 0; pass < passes && status != SALTUS_NO_MEMORY && !settled; pass++) {
         if ((pass > 1 && !(*accuracy > sharp)) ||
-            !saltus_curve_cross(function, context, from, at, ahead, apart, true, work, &ahead, &spread))
+            !saltus_curve_cross(function, context, from, at, ahead, apart, work, &ahead, &spread))
             break;
         const double known = fmax(spread, rounding / fabs(apart));
         if (pass > 1 && !(known < *accuracy))

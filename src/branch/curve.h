@@ -115,10 +115,10 @@ bool saltus_curve_zero(gsl_root_fsolver *solver, saltus_curve_function *function
 /* The unknowns, to `work` (7 x unknowns), at a zero where the equations themselves are singular, interpolated
  * from points at up to three times `apart` on both sides of `middle`, which the function leaves in `at`.
  * *ahead: distance from `from`; *spread: possible error of the parameter. False if a point cannot be found,
- * or if the points should straddle the zero (`straddles`) and the signs on both sides are equal. */
+ * or if the signs on both sides are equal. */
 bool saltus_curve_cross(saltus_curve_function *function, void *context, const saltus_curve_point *from,
-                        const saltus_curve_point *at, double middle, double apart, bool straddles,
-                        double *work, double *ahead, double *spread);
+                        const saltus_curve_point *at, double middle, double apart, double *work,
+                        double *ahead, double *spread);
 /* `at` becomes the point near `ahead` of `from` where curves cross, a zero of the function, and the equations
  * are evaluated there. They are singular, so it is interpolated from points around it, at first a tenth of
  * `reach` apart, and, if `settles`, found by saltus_curve_settle from there. *accuracy: of the parameter.

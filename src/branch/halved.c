@@ -44,7 +44,7 @@ static saltus_status see_orbit(shorter *s, const double *u) {
 /* Evaluate the orbit at s->at without its grazing impact by a separate shooting, which the caller frees. */
 static saltus_status evaluate_without(shorter *s, saltus_shooting **shooting) {
     const saltus_status status = see_orbit(s, s->at.u);
-    const saltus_sequence less = saltus_corner_without(&s->x, &s->on.orbit, NULL);
+    const saltus_sequence less = saltus_corner_without(&s->x, &s->on.orbit);
     return status == SALTUS_OK ? saltus_orbits_evaluate(&s->x.orbits, &s->on.orbit, &less, shooting, NULL)
                                : status;
 }

@@ -624,7 +624,7 @@ static void meet_rest(saltus_locus *l) {
     l->x.equations.tolerance = 1e-11;
     for (int k = 0; k < passes; k++, apart *= 0.5) {
         double place, spread;
-        if (!saltus_curve_cross(onward_at, l, &l->here.at, &l->trial.at, middle, apart, true, work, &place,
+        if (!saltus_curve_cross(onward_at, l, &l->here.at, &l->trial.at, middle, apart, work, &place,
                                 &spread) ||
             spread >= least)
             continue;

@@ -271,7 +271,7 @@ static int special_curves(saltus_extended *x, const saltus_locus_test *corner, s
     starts[0].kind = grazes ? special : SALTUS_POINT_GR;
     starts[0].one_way = grazes;
     starts[0].mark = grazes ? 0 : mark;
-    starts[0].sequence = grazes && without ? saltus_corner_without(x, at, NULL) : whole;
+    starts[0].sequence = grazes && without ? saltus_corner_without(x, at) : whole;
     /* The branch points of orbits with impacts need a symmetric scene. */
     const int count = !grazes || special != SALTUS_POINT_BP || without || x->orbits.system->mirror;
     /* Of orbits that close after fewer periods there it is not the flip. */

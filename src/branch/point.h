@@ -13,8 +13,8 @@ extern const saltus_word saltus_point_words[];
 /* A cycle as its section counts it. */
 typedef struct saltus_cycle_count {
     int returns; /* to the section; -1: unknown, or no cycle */
-    double
-        first; /* orbits from the sequence's base to the point's state, from which the point's times count */
+    /* Orbits from the sequence's base to the point's state, from which the point's times count. */
+    double first;
 } saltus_cycle_count;
 
 /* Allocate a point for `dimension` states and this number of events; values that may stay unknown are NAN.

@@ -300,17 +300,16 @@ bool saltus_solution_walk(saltus_orbits *o, saltus_solution *s) {
 
 bool saltus_cycle_around(saltus_orbits *o, const saltus_solution *s, saltus_lap *lap) {
     const saltus_sequence *own = &s->sequence;
-    double time[SALTUS_CUTS_MAX], *state = calloc((size_t)(own->cuts * o->n), sizeof *state);
-    saltus_status status =
-        state ? saltus_orbits_tune(o, s->parameter, own->omega / own->periods, NULL) : SALTUS_NO_MEMORY;
-    for (int j = 1; j < own->cuts && state; j++) {
-        time[j - 1] = (own->cut[j] - own->base) / own->periods;
-        for (int i = 0; i < o->n; i++)
-            state[(j - 1) * o->n + i] = s->at.u[j * o->n + i] * o->shooting->scale[i];
-    }
+    double time[SALTUS_CUTS_MAX] = {0}, *states;
+    saltus_status status = saltus_solution_states_at(o, s, own, &states, NULL);
+    for (int j = 1; j < own->cuts; j++)
+        time[j] = (own->cut[j] - own->base) / own->periods;
     if (status == SALTUS_OK)
-        status = saltus_lap_cycle(lap, o->flow, s->state, &(saltus_pieces){own->cuts - 1, time, state}, NULL);
-    free(state);
+        status = saltus_orbits_tune(o, s->parameter, own->omega / own->periods, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_lap_cycle(lap, o->flow, states,
+                                  &(saltus_pieces){own->cuts - 1, time + 1, states + o->n}, NULL);
+    free(states);
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 

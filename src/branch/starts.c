@@ -97,7 +97,8 @@ static saltus_status leave_crossing(saltus_orbits *o, const saltus_solution *at,
     const bool pitchfork = start->origin == SALTUS_POINT_PD || o->system->mirror;
     saltus_solution_cuts(at, &start->sequence);
     const int m = saltus_sequence_unknowns(&start->sequence, o->n) + 1;
-    double *plane = calloc(3 * (size_t)m, sizeof *plane), *tangent = plane + 2 * m, *states = NULL, values[2];
+    double *plane = calloc(3 * (size_t)m, sizeof *plane), *tangent = plane ? plane + 2 * m : NULL,
+           *states = NULL, values[2];
     saltus_shooting *shooting = NULL;
     saltus_status status = plane ? saltus_orbits_evaluate(o, at, &start->sequence, &shooting, message)
                                  : saltus_branch_no_memory(message);

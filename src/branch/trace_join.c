@@ -23,7 +23,7 @@ void saltus_trace_drop_starts(saltus_trace *t) {
         double value = t->orbits.origin + t->orbits.family.unit[0] * start->parameter[0];
         const double period = period_of(&t->orbits, &start->sequence, start->parameter[0]);
         if (start->place == 0 && start->origin == point->kind &&
-            fabs(period - point->period) <= 1e-4 * period &&
+            saltus_trail_same_period(period, point->period) &&
             fabs(value - point->value[0]) < 1e-7 * t->orbits.family.unit[0])
             saltus_starts_remove(t->starts, k);
     }
@@ -187,6 +187,8 @@ void saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, boo
         sequences[k] = images ? changed : saltus_sequence_first_half(&changed);
         saltus_solution_cuts(at, &sequences[k]);
     }
+    if (sequences[0].count == sequences[1].count)
+        return;
     double *states;
     const saltus_status status = saltus_solution_states_at(o, at, &sequences[0], &states, NULL);
     saltus_sequence_even(&sequences[0]);
@@ -196,7 +198,7 @@ void saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, boo
     start.state = states;
     start.states = start.sequence.cuts * o->n;
     start.origin = SALTUS_POINT_GR;
-    if (saltus_orbits_noted(o, status) == SALTUS_OK && sequences[0].count != sequences[1].count)
+    if (saltus_orbits_noted(o, status) == SALTUS_OK)
         add_joined(t, at, &start, sequences, at->value);
     free(states);
 }

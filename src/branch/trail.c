@@ -91,7 +91,7 @@ static int find_visited(const saltus_trail *t, const saltus_system *system, cons
                                             : fmin(1e-7, 1e-9 + 10 * (v->accuracy + point->accuracy) / unit);
         const double close_state = same ? 1e-5 : 1e-7;
         if (!v->joined && v->kind == point->kind && v->periods == point->periods &&
-            fabs(v->period - period_of(point)) <= 1e-4 * v->period &&
+            saltus_trail_same_period(v->period, period_of(point)) &&
             fabs(v->value - point->value[0]) < close_value * unit &&
             saltus_orbit_passes(system, points ? points : point->state, count, v->state, close_state))
             return v->branch;
@@ -114,7 +114,7 @@ int saltus_trail_find(const saltus_trail *t, const saltus_system *system, saltus
     const double close_value = 1e-7 * (t->options->high[0] - t->options->low[0]), close_state = 1e-5;
     for (int k = 0; k < t->visited.count; k++) {
         const visited *v = (const visited *)t->visited.items + k;
-        if (v->kind != kind || !(fabs(v->period - period) <= 1e-4 * period) || (joined && !v->joined) ||
+        if (v->kind != kind || !saltus_trail_same_period(v->period, period) || (joined && !v->joined) ||
             !(fabs(v->value - value) < close_value) ||
             !saltus_orbit_passes(system, points, count, v->state, close_state))
             continue;

@@ -7,6 +7,8 @@
 #include "base/memory.h"
 #include "branch/archive.h"
 
+#include <math.h>
+
 typedef struct saltus_trail {
     const saltus_branch_options *options;
     char ends[2][2]
@@ -63,6 +65,10 @@ int saltus_trail_find(const saltus_trail *trail, const saltus_system *system, sa
  */
 int saltus_trail_join(saltus_trail *trail, const saltus_system *system, saltus_point_kind kind, double period,
                       double value, const double *state, bool *starved);
+/* Whether orbits may be the same by their periods (0: none). */
+static inline bool saltus_trail_same_period(double one, double other) {
+    return fabs(one - other) <= 1e-4 * one;
+}
 /* Whether a point this far ahead is far enough from the last regular one to be given out as one. */
 bool saltus_trail_wants(const saltus_trail *trail, double ahead);
 /* That point was given out. */
