@@ -101,6 +101,8 @@ typedef struct saltus_response {
     int plain;                        /* number of unknown states and times, which come first */
     int directions;                   /* parameter columns of the flow */
     int place[SALTUS_DIRECTIONS_MAX]; /* the unknown of each direction, -1: none */
+    int state, times, passed; /* the columns that have an effect: of the state at the segment's start, from
+                                 `state` on, and of the times of the marks passed since, from `times` on */
     double *tangents;      /* (n + directions) x n: the flow's tangent vectors at the end of the last piece */
     double *answer, *next; /* n x unknowns each */
 } saltus_response;

@@ -32,10 +32,16 @@ static void take_parameters(const saltus_response *r, double *answer) {
             answer[i * r->unknowns + r->place[d]] = r->tangents[(r->n + d) * r->n + i];
 }
 
-/* Start a segment, whose state is the unknowns from `first` on, with the flow's vectors there. */
-static void start_response(saltus_response *r, saltus_flow *flow, int first) {
+/* Start a segment, whose state is the unknowns from `first` on, and whose first mark's time that at `times`,
+ * with the flow's vectors there. */
+static void start_response(saltus_response *r, saltus_flow *flow, int first, int times) {
+    const size_t size = (size_t)(r->n * r->unknowns) * sizeof *r->answer;
+    r->state = first;
+    r->times = times;
+    r->passed = 0;
     saltus_flow_tangents(flow, 0, r->tangents);
-    memset(r->answer, 0, (size_t)(r->n * r->unknowns) * sizeof *r->answer);
+    memset(r->answer, 0, size);
+    memset(r->next, 0, size);
     for (int i = 0; i < r->n; i++)
         for (int k = 0; k < r->n; k++)
             r->answer[i * r->unknowns + first + k] = r->tangents[k * r->n + i];
@@ -53,20 +59,27 @@ static void begin_piece(saltus_response *r, saltus_flow *flow) {
     saltus_flow_set_tangents(flow, 0, r->tangents);
 }
 
-/* Most unknowns belong to other segments or later marks: they have no effect yet. */
-static void end_piece(saltus_response *r, saltus_flow *flow) {
+/* Multiply the columns from `first` on by the derivative over the piece. */
+static void carry_columns(saltus_response *r, int first, int count) {
     const int n = r->n, m = r->unknowns;
-    double column[SALTUS_STATE_MAX];
-    saltus_flow_tangents(flow, 0, r->tangents);
-    memset(r->next, 0, (size_t)(n * m) * sizeof *r->next);
-    for (int j = 0; j < r->plain; j++) {
-        bool acts = false;
-        for (int k = 0; k < n; k++)
-            acts |= (column[k] = r->answer[k * m + j]) != 0;
-        for (int i = 0; i < n && acts; i++)
-            for (int k = 0; k < n; k++)
-                r->next[i * m + j] = fma(r->tangents[k * n + i], column[k], r->next[i * m + j]);
+    for (int i = 0; i < n && count > 0; i++) {
+        double *restrict to = r->next + i * m + first;
+        memset(to, 0, (size_t)count * sizeof *to);
+        for (int k = 0; k < n; k++) {
+            const double *restrict column = r->answer + k * m + first;
+            const double share = r->tangents[k * n + i];
+            for (int j = 0; j < count; j++)
+                to[j] += share * column[j];
+        }
     }
+}
+
+/* The other unknowns belong to other segments or later marks: they have no effect yet, and zeros in both
+ * matrices since the segment's start. */
+static void end_piece(saltus_response *r, saltus_flow *flow) {
+    saltus_flow_tangents(flow, 0, r->tangents);
+    carry_columns(r, r->state, r->n);
+    carry_columns(r, r->times, r->passed);
     take_parameters(r, r->next);
     SALTUS_SWAP(r->answer, r->next);
 }
@@ -75,11 +88,16 @@ static void end_piece(saltus_response *r, saltus_flow *flow) {
  * tangent vectors, its rate per period, and the matrix before the piece that led to the mark. Unknown `own`
  * is the mark's time, in periods. */
 static void respond_at_mark(const saltus_response *r, const double *gradient, double rate, double scale,
-                            int own, double *row) {
+                            int own, double *restrict row) {
     memset(row, 0, (size_t)r->unknowns * sizeof *row);
-    for (int i = 0; i < r->n; i++)
-        for (int j = 0; j < r->plain; j++)
-            row[j] = fma(gradient[i] / scale, r->answer[i * r->unknowns + j], row[j]);
+    for (int i = 0; i < r->n; i++) {
+        const double *restrict answer = r->answer + i * r->unknowns;
+        const double share = gradient[i] / scale;
+        for (int j = r->state; j < r->state + r->n; j++)
+            row[j] += share * answer[j];
+        for (int j = r->times; j < r->times + r->passed; j++)
+            row[j] += share * answer[j];
+    }
     for (int d = 0; d < r->directions; d++)
         if (r->place[d] >= 0)
             row[r->place[d]] = gradient[r->n + d] / scale;
@@ -192,8 +210,8 @@ static saltus_status run_piece(walk *w, double until, int mark, saltus_message *
     return status;
 }
 
-/* Start at a cut, where the state is an unknown. */
-static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_message *message) {
+/* Start at a cut, where the state is an unknown; `mark` is the next mark. */
+static saltus_status open_segment(walk *w, int cut, int mark, unsigned contacts, saltus_message *message) {
     saltus_shooting *p = w->p;
     const double *state = w->u + cut * p->n;
     w->time = p->collection.begin = p->sequence.cut[cut];
@@ -204,7 +222,7 @@ static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_me
             ? saltus_flow_start(w->flow, 0, saltus_time_of(w->time), state, message)
             : saltus_flow_place(w->flow, 0, saltus_time_of(w->time), state, contacts, message);
     if (status == SALTUS_OK && w->whole)
-        start_response(&p->response, w->flow, cut * p->n);
+        start_response(&p->response, w->flow, cut * p->n, p->sequence.cuts * p->n + mark);
     return status;
 }
 
@@ -253,7 +271,8 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
             status = add_segment(w, message);
     }
     for (int i = 0; i < p->n; i++)
-        p->response.answer[i * m + own] += shift[i] * w->period;
+        p->response.answer[i * m + own] = shift[i] * w->period;
+    p->response.passed++;
     return status;
 }
 
@@ -356,7 +375,7 @@ saltus_status saltus_shooting_along(saltus_shooting *p, saltus_tuned *by, int se
         status = saltus_cocycle_open(p->collection.into, by->system, s->periods, false, message);
     for (int cut = 0; cut < segments && status == SALTUS_OK; cut++) {
         double until = cut + 1 < s->cuts ? s->cut[cut + 1] : s->base + s->periods;
-        status = open_segment(&w, cut, contacts, message);
+        status = open_segment(&w, cut, k, contacts, message);
         while (status == SALTUS_OK && k < s->count && (cut + 1 == s->cuts || s->mark[k].time < until))
             status = pass_mark(&w, k++, message);
         if (status == SALTUS_OK)
