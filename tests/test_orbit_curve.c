@@ -437,6 +437,40 @@ static void zeros_are_the_closed_points(void **state) {
     }
 }
 
+/* Where an impact dies is told from two orbits before, and found from the second of them by an equation of
+ * its own, however slow the impact is, and however far that is along the curve. */
+static void grazing_is_found_at_once(void **state) {
+    (void)state;
+    const known_point *p = &known_points[2];
+    family f;
+    saltus_solution from = {0}, to = {0}, at = {0};
+    step_over(&f, p, &from, &to);
+    closed_orbit known = find_known(p, &f.o);
+    for (double apart = 4e-3; apart > 1e-5; apart /= 4) {
+        assert_true(saltus_solution_visit(&f.orbits, &from, -2 * apart, &to));
+        assert_true(saltus_solution_visit(&f.orbits, &to, apart, &at));
+        assert_true(at.grazes_ahead == 0);
+        saltus_solution_expect_grazing(&at, &to);
+        swap(&from, &at);
+        saltus_zero zero = saltus_solution_graze(&f.orbits, &from, &at);
+        assert_true(zero.found && zero.accuracy < 1e-10 && at.at.iterations <= 6);
+        /* Half of the way at worst, where the curve's length is that of the impact's time. */
+        assert_true(from.grazes_ahead > 0.4 * zero.ahead && from.grazes_ahead < zero.ahead);
+        check_near(at.value, (double)known.oscillator.omega, 1e-11);
+        check_near(at.worst.value, 0, 1e-12);
+        assert_int_equal(saltus_solution_touch(&at)->kind, SALTUS_BREACH_SPEED);
+        /* Where an impact becomes faster none is expected. */
+        saltus_curve_turn(&to.at);
+        assert_true(saltus_solution_visit(&f.orbits, &to, apart, &at));
+        saltus_solution_expect_grazing(&at, &to);
+        assert_true(at.grazes_ahead == 0);
+    }
+    saltus_solution_clear(&from);
+    saltus_solution_clear(&to);
+    saltus_solution_clear(&at);
+    saltus_orbits_close(&f.orbits);
+}
+
 /* A requested value within a step is met to the last digits; one beyond its end is not found. */
 static void values_are_met(void **state) {
     (void)state;
@@ -756,6 +790,7 @@ int main(void) {
         cmocka_unit_test(halves_and_images),
         cmocka_unit_test(reframed_orbits_are_the_same),
         cmocka_unit_test(zeros_are_the_closed_points),
+        cmocka_unit_test(grazing_is_found_at_once),
         cmocka_unit_test(values_are_met),
         cmocka_unit_test(all_of_a_step_is_found),
         cmocka_unit_test(branches_leave_along_null_vectors),

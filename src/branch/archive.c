@@ -225,6 +225,7 @@ void saltus_archive_solution(saltus_archive *a, const saltus_orbits *o, saltus_s
     saltus_archive_real(a, &s->onward);
     saltus_archive_real(a, &s->speed);
     saltus_archive_real(a, &s->growth);
+    saltus_archive_real(a, &s->grazes_ahead);
     s->breaches = saltus_archive_list(a, s->breaches, &s->breach_count, sizeof *s->breaches, 5);
     s->breach_room = a->reading ? s->breach_count : s->breach_room;
     for (int k = 0; k < s->breach_count; k++) {

@@ -137,6 +137,7 @@ saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_m
     }
     if (o->family.parameters == 1)
         s->flip = saltus_orbits_closing(o->shooting, true);
+    s->grazes_ahead = 0;
     s->survey.follows = s->survey.walked = false;
     s->survey.label[0] = 0;
     s->survey.past_place = 0;
@@ -201,6 +202,73 @@ bool saltus_solution_visit(saltus_orbits *o, const saltus_solution *from, double
     if (status == SALTUS_OK)
         status = saltus_solution_see(o, out, NULL);
     return saltus_orbits_noted(o, status) == SALTUS_OK;
+}
+
+/* The breach of the slowest prescribed impact; NULL: there is none. */
+static const saltus_breach *slowest_impact(const saltus_solution *s) {
+    const saltus_breach *slowest = NULL;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && (!slowest || s->breaches[k].value > slowest->value))
+            slowest = &s->breaches[k];
+    return slowest;
+}
+
+/* Beside grazing the square of a speed is linear in the parameter, and the curve straight in what matters. */
+void saltus_solution_expect_grazing(saltus_solution *s, const saltus_solution *before) {
+    const saltus_breach *now = slowest_impact(s);
+    for (int k = 0; k < before->breach_count && now; k++) {
+        const saltus_breach *then = &before->breaches[k];
+        const double fall = then->value * then->value - now->value * now->value;
+        if (then->kind == SALTUS_BREACH_SPEED && then->mark == now->mark && fall > 0)
+            s->grazes_ahead = s->at.ahead * (now->value * now->value / fall);
+    }
+}
+
+/* The time of an impact without speed is an extremum of its gap, so that in the hyperplanes of arclength,
+ * where the curve turns within a distance like the impact's speed, Newton's method hardly converges. With the
+ * speed as one more equation instead it is regular there. */
+saltus_zero saltus_solution_graze(saltus_orbits *o, const saltus_solution *from, saltus_solution *out) {
+    enum { iterations_max = 8 };
+    const double nothing = 1e-13;
+    saltus_equations *e = o->equations;
+    saltus_zero zero = {.accuracy = INFINITY};
+    const saltus_breach *impact = slowest_impact(from);
+    const int m = e->unknowns, c = e->count;
+    const int own = impact ? from->sequence.cuts * o->n + impact->mark : 0;
+    if (!impact || !saltus_curve_reserve(&out->at, m))
+        return zero;
+    const double *row = saltus_shooting_speed_row(o->shooting, impact->mark);
+    double length = INFINITY, before = INFINITY;
+    for (int j = 0; j < m; j++)
+        out->at.u[j] = from->at.u[j] + from->grazes_ahead * from->at.tangent[j];
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < iterations_max && status == SALTUS_OK && length > nothing; k++) {
+        status = saltus_equations_evaluate(e, out->at.u, NULL);
+        if (status == SALTUS_OK)
+            status = saltus_equations_step(e, row, e->jacobian[own * m + own]);
+        before = length;
+        length = saltus_length(e->step, m);
+        if (status != SALTUS_OK || !(length < 0.5 * before))
+            break;
+        for (int j = 0; j < m; j++)
+            out->at.u[j] += e->step[j];
+        zero.accuracy = o->family.unit[0] * fabs(e->step[c]);
+        out->at.iterations = k + 1;
+    }
+    saltus_shooting_speed_row(o->shooting, -1);
+    if (status == SALTUS_OK)
+        status =
+            length < sqrt(nothing) ? saltus_equations_evaluate(e, out->at.u, NULL) : SALTUS_NO_CONVERGENCE;
+    if (status == SALTUS_OK && !(e->size <= e->tolerance))
+        status = SALTUS_NO_CONVERGENCE;
+    if (status == SALTUS_OK)
+        status = saltus_curve_orient(e, from->at.tangent, &out->at, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, out, NULL);
+    zero.ahead = out->at.ahead =
+        saltus_dot(out->at.u, from->at.tangent, m) - saltus_dot(from->at.u, from->at.tangent, m);
+    zero.found = saltus_orbits_noted(o, status) == SALTUS_OK;
+    return zero;
 }
 
 int saltus_solution_speed_range(const saltus_solution *s, double *slowest, double *fastest) {

@@ -42,6 +42,8 @@ typedef struct saltus_solution {
     saltus_breach *breaches;
     int breach_count, breach_room;
     saltus_breach worst; /* the greatest; value -1 if none is greater */
+    double grazes_ahead; /* arclength to where the slowest impact loses its speed, as its square has fallen
+                            since the point before; 0: it has not, or that is not known */
     saltus_survey survey;
 } saltus_solution;
 
@@ -60,6 +62,12 @@ typedef struct saltus_orbits {
     int n;
     bool starved; /* memory was lacking, perhaps only for an attempt */
 } saltus_orbits;
+
+/* A special point, at arclength `ahead` of a solution, and the accuracy of the parameter there. */
+typedef struct saltus_zero {
+    bool found;
+    double ahead, accuracy;
+} saltus_zero;
 
 /* Close in any case. */
 saltus_status saltus_orbits_open(saltus_orbits *orbits, saltus_message *message);
@@ -108,6 +116,12 @@ saltus_status saltus_solution_see(saltus_orbits *orbits, saltus_solution *out, s
 /* The point of the curve at arclength `ahead` from another. False if there is no such point near. */
 bool saltus_solution_visit(saltus_orbits *orbits, const saltus_solution *from, double ahead,
                            saltus_solution *out);
+/* Predict where the slowest impact of `s` loses its speed from a point before, of the same sequence, that is
+ * s->at.ahead behind. */
+void saltus_solution_expect_grazing(saltus_solution *s, const saltus_solution *before);
+/* The point of the curve where the slowest impact of another loses its speed, by an equation of its own, and
+ * how accurately the parameter is known. Not found: Newton's method does not converge at once. */
+saltus_zero saltus_solution_graze(saltus_orbits *orbits, const saltus_solution *from, saltus_solution *out);
 /* Let the event-driven flow go around a solution that has the shooting's sequence. False if there is no flow
  * at its parameters. */
 bool saltus_solution_walk(saltus_orbits *orbits, saltus_solution *solution);
@@ -202,12 +216,6 @@ typedef enum saltus_test {
     SALTUS_TEST_ONWARD, /* `onward` */
     SALTUS_TEST_VALUE   /* parameter minus a target */
 } saltus_test;
-
-/* A zero of a test, at arclength `ahead` of a solution, and the accuracy of the parameter there. */
-typedef struct saltus_zero {
-    bool found;
-    double ahead, accuracy;
-} saltus_zero;
 
 /* The value of a test at a solution; determinants in units of that at `from`. */
 double saltus_test_value(saltus_test test, double target, const saltus_solution *solution,

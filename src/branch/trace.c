@@ -149,6 +149,8 @@ void saltus_trace_accept(saltus_trace *t, bool bends, const char *reason) {
         saltus_curve_bend(&t->next->at, &t->here->at);
     if (bends && t->next->survey.walked)
         saltus_survey_follow(&t->here->survey, &t->next->survey, -t->here->at.ahead);
+    if (bends)
+        saltus_solution_expect_grazing(t->here, t->next);
     if (t->trail->following)
         saltus_solution_reframe(&t->orbits, true, false, t->here, t->trial, NULL);
 }

@@ -669,17 +669,34 @@ static bool look_back(saltus_trace *t, saltus_hopf_ahead *hopf) {
     return true;
 }
 
-/* `next` becomes the first orbit of the step with a breach of zero, if it is found; *reached as in
- * saltus_curve_step. At grazing itself it is chance whether the flow meets the impact, so the survey is that
- * of an orbit just before, the nearest one that the flow follows. */
+/* If the slowest impact is expected to lose its speed within the step, go there at once: `next` becomes that
+ * orbit, unless something else comes first. A step that is repeated with a shorter one must not end there
+ * again. */
+static bool step_to_grazing(saltus_trace *t, saltus_zero *breach) {
+    const double most = 1.2, still = 1e-9;
+    const saltus_solution *next = t->next;
+    const double expected = t->here->grazes_ahead, step = t->trail->step;
+    if (!(expected > 0 && expected < most * step))
+        return false;
+    *breach = saltus_solution_graze(&t->orbits, t->here, t->next);
+    return breach->found && breach->ahead > 0 && breach->ahead < most * step &&
+           next->parameter[0] > t->range[0] && next->parameter[0] < t->range[1] &&
+           fabs(next->worst.value) < still && saltus_solution_touch(next)->kind == SALTUS_BREACH_SPEED;
+}
+
+/* `next` becomes the first orbit of the step with a breach of zero, if it is found, unless it is that orbit;
+ * *reached as in saltus_curve_step. At grazing itself it is chance whether the flow meets the impact, so the
+ * survey is that of an orbit just before, the nearest one that the flow follows. */
 static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *reached,
                                    saltus_message *message) {
     const double least = 1e-7, most = 1e-5;
     saltus_orbits *o = &t->orbits;
-    *breach = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, t->here, t->next, t->trial);
-    if (!breach->found)
-        return SALTUS_OK;
-    SALTUS_SWAP(t->next, t->trial);
+    if (!breach->found) {
+        *breach = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, t->here, t->next, t->trial);
+        if (!breach->found)
+            return SALTUS_OK;
+        SALTUS_SWAP(t->next, t->trial);
+    }
     *reached = -1;
     for (int k = 0; k < 2; k++)
         if (fabs(t->next->parameter[0] - t->range[k]) < saltus_at_border) {
@@ -794,9 +811,11 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     saltus_zero breach = {.accuracy = NAN};
     saltus_message why = {.text = ""};
     saltus_hopf_ahead hopf;
-    int reached;
-    saltus_status status = step_ahead(t, &bound, &reached, &why);
-    if (status == SALTUS_OK)
+    int reached = -1;
+    const bool grazes = step_to_grazing(t, &breach);
+    breach.found = grazes;
+    saltus_status status = grazes ? SALTUS_OK : step_ahead(t, &bound, &reached, &why);
+    if (status == SALTUS_OK && !grazes)
         status = saltus_solution_see(o, t->next, &why);
     if (saltus_orbits_noted(o, status) != SALTUS_OK) {
         go_on_lost(t, status, why.text);
@@ -805,7 +824,7 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     const bool fades = trail->options->locus == SALTUS_POINT_REGULAR && fade(t);
     if (fades || look_back(t, &hopf) || !trail->following)
         return SALTUS_OK;
-    const bool breached = t->next->worst.value > 0;
+    const bool breached = grazes || t->next->worst.value > 0;
     status = breached ? cut_at_breach(t, &breach, &reached, &why) : saltus_solution_survey(o, t->next, &why);
     /* Along a border that the parameter's domain does not contain rounding may lead to it. */
     if (status == SALTUS_BAD_INPUT)

@@ -104,15 +104,27 @@ static saltus_status take_step(saltus_equations *e, double *u, bool damped, doub
     return SALTUS_OK;
 }
 
+/* Newton's step from the last residual with the last factorisation; `value`: of one more equation. */
+static void resolve(saltus_equations *e, double value) {
+    for (int i = 0; i < e->count; i++)
+        e->step[i] = -e->residual[i];
+    e->step[e->count] = -value;
+    saltus_dense_resolve(&e->lu, false, 1, e->step);
+}
+
+saltus_status saltus_equations_step(saltus_equations *e, const double *gradient, double value) {
+    if (!factor_bordered(e, gradient))
+        return SALTUS_SINGULAR;
+    resolve(e, value);
+    return SALTUS_OK;
+}
+
 /* Newton's step from the residual at u with the last factorisation. */
 static void solve_step(saltus_equations *e, const double *u, const double *normal, const double *anchor) {
     double aside = 0;
-    for (int i = 0; i < e->count; i++)
-        e->step[i] = -e->residual[i];
     for (int j = 0; j < e->unknowns && normal; j++)
         aside = fma(normal[j], u[j] - anchor[j], aside);
-    e->step[e->count] = -aside;
-    saltus_dense_resolve(&e->lu, false, 1, e->step);
+    resolve(e, aside);
     if (!normal) /* remove rounding, which a parameter of 0 would show */
         e->step[e->count] = 0;
 }

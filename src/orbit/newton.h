@@ -43,6 +43,9 @@ saltus_status saltus_equations_evaluate(saltus_equations *equations, const doubl
  * close to it as the tolerance. Errors: SALTUS_NO_CONVERGENCE, SALTUS_SINGULAR, those of the evaluation. */
 saltus_status saltus_newton(saltus_equations *equations, double *u, const double *normal,
                             const double *anchor, bool damped, int *iterations, saltus_message *message);
+/* Newton's step, to e->step, from the point last evaluated, with one more equation of this value and
+ * gradient. Errors: SALTUS_SINGULAR. */
+saltus_status saltus_equations_step(saltus_equations *equations, const double *gradient, double value);
 /* Unit tangent of the curve at the point last evaluated, with tangent . guide > 0, and sign and log modulus
  * of the determinant of the Jacobian bordered by `guide`. Errors: SALTUS_SINGULAR. */
 saltus_status saltus_curve_tangent(saltus_equations *equations, const double *guide, double *tangent,
