@@ -379,6 +379,40 @@ static void cycles_end_at_a_homoclinic_orbit(void **unused) {
     saltus_scene_clear(&scene);
 }
 
+/* Where homoclinic orbits are: from shooting along the saddle's unstable direction, bisected (fixed steps of
+ * the classical Runge-Kutta method). With a stop that cycles hit; of cycles that pass two mirrored saddles;
+ * and of cycles so unstable that the flow leaves them, of the equations above in reversed time. */
+static void the_law_of_the_period_tells_where_it_has_no_bound(void **unused) {
+    (void)unused;
+    static const char mu[] = "mu: {default: 1.05}", wells[] = "x - x^3 + (mu - x^2)*x'";
+    static const char hit[] = "stop: {coordinate: x, d: 1.25, r: 0.8, sides: upper}\ninitial: {x: 1}\n";
+    static const struct {
+        const char *parameters, *motion, *rest, *key;
+        double low, high, there;
+    } cases[] = {
+        {mu, wells, hit, "mu", 0.5, 1.1, 0.7615917721027815},
+        {mu, "-x + x^3 + (mu - x^2)*x'", "initial: {x: 0}\n", "mu", -0.1, 1.1, 0.20116822890462913},
+        {"b1: {default: 0.1}, b2: {default: -1}", "b1 + b2*x + x^2 + x*x'", "initial: {x: 0.1}\n", "b1", -0.5,
+         0.2, -0.21360219841525466},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        saltus_scene scene = scene_of(cases[c].parameters, cases[c].motion, cases[c].rest);
+        saltus_branch_options options = branch_along(cases[c].key, cases[c].low, cases[c].high);
+        options.switches = 1;
+        branch_record record = follow(&scene, &options);
+        const char *told = NULL;
+        double there, accuracy;
+        for (int k = 0; k < record.count; k++)
+            told = strncmp(record.point[k].reason, "homoclinic", 10) == 0 ? record.point[k].reason : told;
+        assert_non_null(told);
+        assert_int_equal(sscanf(strrchr(told, '='), "= %lf +- %lf", &there, &accuracy), 2);
+        assert_true(accuracy < 1e-11);
+        check_near(there, cases[c].there, accuracy);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
 /* Known curves in two parameters: Hopf points of the same equations on b1 = 0, which end at b2 = 0; folds at
  * b1 = b2^2 / 4; a cusp at 0; a generalised Hopf point at b = 0; a stop that is met at F = d. */
 static void loci_are_where_they_are_known(void **unused) {
@@ -815,6 +849,7 @@ int main(void) {
         cmocka_unit_test(a_pipe_buckles_onto_its_stop),
         cmocka_unit_test(equilibria_meet_stops_and_leave_them),
         cmocka_unit_test(cycles_end_at_a_homoclinic_orbit),
+        cmocka_unit_test(the_law_of_the_period_tells_where_it_has_no_bound),
         cmocka_unit_test(loci_are_where_they_are_known),
         cmocka_unit_test(curves_meet_where_two_eigenvalues_are_zero),
         cmocka_unit_test(folding_cycles_grow_from_a_generalised_hopf_point),

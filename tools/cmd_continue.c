@@ -347,7 +347,7 @@ const cli_command cmd_continue = {
         "are born at one, stable ones where the first Lyapunov coefficient is negative (supercritical); BE "
         "an equilibrium meets a stop, on which it rests from there on, or leaves it, and cycles with "
         "impacts may begin, whose size is in proportion to the distance. A branch of cycles whose period "
-        "grows without bound ends, with the distance to the saddle that they pass (homoclinic). Where the "
+        "grows without bound ends at a homoclinic orbit, whose saddle and place are told. Where the "
         "contact is permanent (held) a point tells its smallest force over the orbit: where that is zero the "
         "contact lets go. Points of codimension two on a curve: CP cusp, R1 to R4 resonances (double "
         "multipliers 1 and -1, pairs at a third and a quarter of the circle), GR-LP, GR-PD, GR-NS, GR-BP "

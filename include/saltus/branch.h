@@ -13,7 +13,7 @@
 
 SALTUS_API_BEGIN
 
-enum { SALTUS_REASON_MAX = 160, SALTUS_KEY_MAX = 32 };
+enum { SALTUS_REASON_MAX = 336, SALTUS_KEY_MAX = 32 };
 
 typedef enum saltus_point_kind {
     SALTUS_POINT_REGULAR,

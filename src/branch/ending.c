@@ -5,25 +5,26 @@
 #include "branch/rest.h"
 #include "orbit/held.h"
 
+#include <complex.h>
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-/* Go once around a cycle. Without `rest`: its slowest point to `slowest` (n), the speed there, in the state's
- * scales, to *least; with `rest`, a state: the least distance from it to *least. */
-static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const double *rest,
-                               double *slowest, double *least) {
+/* Along a cycle from a state up to `until`, in its period, of that a part. Without `rest`: the slowest point
+ * so far to `slowest` (n), the speed there, in the state's scales, to *least; with `rest`, a state: the least
+ * distance from it so far to *least. */
+static saltus_status go_along(saltus_orbits *o, const double *from, double until, const double *rest,
+                              double *slowest, double *least) {
     enum { parts = 8 };
+    const saltus_time end = saltus_time_after((saltus_time){0, 0}, until);
     saltus_event event = {.kind = SALTUS_STEP};
     double state[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX];
-    *least = INFINITY;
-    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, NULL);
     const double *scale = saltus_system_scale(o->system);
-    if (status == SALTUS_OK)
-        status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, s->state, NULL);
+    saltus_status status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, from, NULL);
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
-        status = saltus_flow_advance(o->flow, (saltus_time){1, 0}, SALTUS_WATCH_STEP, &event, NULL);
+        status = saltus_flow_advance(o->flow, end, SALTUS_WATCH_STEP, &event, NULL);
         const double length = status == SALTUS_OK ? saltus_flow_step_length(o->flow, 0) : 0;
         for (int k = 0; k < parts && rest && status == SALTUS_OK; k++) {
             saltus_flow_dense(o->flow, 0, length * k / parts, state);
@@ -43,13 +44,45 @@ static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const
     return status;
 }
 
+/* The same once around a cycle, from cut to cut: where errors grow the flow would leave it. */
+static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const double *rest,
+                               double *slowest, double *least) {
+    const saltus_sequence *own = &s->sequence;
+    double *states;
+    *least = INFINITY;
+    saltus_status status = saltus_solution_states_at(o, s, own, &states, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_orbits_tune(o, s->parameter, own->omega / own->periods, NULL);
+    for (int j = 0; j < own->cuts && status == SALTUS_OK; j++) {
+        const double next = j + 1 < own->cuts ? own->cut[j + 1] : own->base + own->periods;
+        status = go_along(o, states + j * o->n, (next - own->cut[j]) / own->periods, rest, slowest, least);
+    }
+    free(states);
+    return status;
+}
+
 /* The equilibrium that a cycle passes most slowly. */
 typedef struct passed {
     bool found;
     double distance; /* from the cycle, in the system's scales */
     bool saddle;
     unsigned contacts; /* faces that it is held against */
+    double state[SALTUS_STATE_MAX];
+    double complex growing, decaying, second; /* of a saddle: the exponents nearest to the imaginary axis, and
+                                                 the next one beside that of them which is nearer to it */
 } passed_rest;
+
+/* Find the exponents from eigenvalues by decreasing real part. */
+static void tell_exponents(const saltus_eigenvalue *rates, int count, passed_rest *passed) {
+    int last = 0;
+    while (last + 1 < count && rates[last + 1].re > 0)
+        last++;
+    passed->growing = rates[last].re + I * rates[last].im;
+    passed->decaying = rates[last + 1].re + I * rates[last + 1].im;
+    const bool grows = creal(passed->growing) < -creal(passed->decaying);
+    const int next = grows ? last - 1 : last + 2;
+    passed->second = next >= 0 && next < count ? rates[next].re + I * rates[next].im : INFINITY;
+}
 
 static passed_rest cycle_passes(saltus_orbits *o, const saltus_solution *s) {
     saltus_equilibrium_options how = saltus_equilibrium_defaults();
@@ -64,30 +97,123 @@ static passed_rest cycle_passes(saltus_orbits *o, const saltus_solution *s) {
     if (saltus_orbits_noted(o, status) == SALTUS_OK) {
         passed.found = true;
         passed.contacts = rest.contacts;
+        memcpy(passed.state, rest.state, (size_t)o->n * sizeof *rest.state);
         const saltus_growing counts = saltus_eigenvalues_growing(rest.eigenvalues, rest.eigenvalue_count);
-        passed.saddle = counts.growing && counts.decaying;
+        passed.saddle =
+            counts.growing && counts.growing + counts.decaying == rest.eigenvalue_count && counts.decaying;
+        if (passed.saddle)
+            tell_exponents(rest.eigenvalues, rest.eigenvalue_count, &passed);
     }
     saltus_equilibrium_clear(&rest);
     return passed;
 }
 
-bool saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *at, bool lost, char *reason) {
+static double period_of(const saltus_solution *s) {
+    return 2 * M_PI * s->sequence.periods / s->sequence.omega;
+}
+
+/* The derivative of a cycle's parameter, and of its period, along the curve. */
+static double slope(const saltus_orbits *o, const saltus_solution *s, double *stretching) {
+    const int period = s->at.unknowns - 2;
+    *stretching = period_of(s) * s->at.tangent[period] * o->shooting->scale[period];
+    return saltus_solution_heading(s) / *stretching;
+}
+
+/* A homoclinic orbit towards which the period grows. */
+typedef struct homoclinic {
+    bool found;
+    double parameter, accuracy; /* an unknown */
+    int passages;               /* of saddles, in a period */
+} homoclinic;
+
+/* Where the period grows because a cycle stays ever longer near a saddle, its distance from that falls as
+ * exp(-r T), 1/r being the sum of the inverse rates at which it is left and approached, and the parameter
+ * goes to its limit as exp(-l T), for the exponents l beside that the imaginary axis. With several passages
+ * in a period each has its share of T; the distance tells how many. From the slopes at two cycles follow the
+ * coefficients of the two slowest terms, and the limit; and how well they lead from one to the other. */
+static homoclinic seek_homoclinic(saltus_orbits *o, const saltus_solution *at, const passed_rest *passed,
+                                  saltus_solution *back) {
+    enum { halvings = 6, passages_most = 4 };
+    const double whole = 0.3, apart = 1.01;
+    const double out = creal(passed->growing), in = -creal(passed->decaying), rate = 1 / (1 / out + 1 / in);
+    double complex one = out < in ? passed->growing : -passed->decaying, other = conj(one);
+    double stretching, lead = 1 / creal(one), shorter = 0;
+    homoclinic limit = {.found = false};
+    const double after = slope(o, at, &stretching);
+    passed_rest before = {.found = false};
+    for (int k = 0; k < halvings && !before.found; k++, lead *= 0.5) {
+        const bool there = saltus_solution_visit(o, at, -lead / stretching, back);
+        shorter = there ? period_of(at) - period_of(back) : 0;
+        if (shorter > 0.5 * lead && shorter < 2 * lead)
+            before = cycle_passes(o, back);
+    }
+    if (!before.found || before.contacts != passed->contacts || !(before.distance > passed->distance))
+        return limit;
+    const double found = rate * shorter / log(before.distance / passed->distance);
+    const bool turns = cimag(passed->growing) != 0 || cimag(passed->decaying) != 0;
+    const int passages = (int)fmin(fmax(round(found), 1), passages_most);
+    limit.found = fabs(found - passages) < whole || (turns && found > 0.5 && found < 2);
+    if (cimag(one) == 0)
+        other =
+            fmax(apart * creal(one), fmin(fmin(fmax(out, in), fabs(creal(passed->second))), 2 * creal(one)));
+    one /= passages;
+    other /= passages;
+    const double complex fall = cexp(-one * shorter), other_fall = cexp(-other * shorter);
+    const double first = slope(o, back, &stretching);
+    const double complex a = (first * other_fall - after) / (fall - other_fall), b = -first - a;
+    const double rest = creal(a * fall / one + b * other_fall / other);
+    const double way = creal(a * (1 - fall) / one + b * (1 - other_fall) / other);
+    const double misses = fabs(way - (back->parameter[0] - at->parameter[0]));
+    limit.parameter = at->parameter[0] - rest;
+    limit.passages = passages;
+    limit.accuracy = misses + 10 * o->options.flow.rtol;
+    return limit;
+}
+
+/* The displacements and extra states of a rest, the first few of them. */
+static int tell_place(const saltus_orbits *o, const double *state, char *text, size_t room) {
+    enum { most = 3 };
+    const int dof = o->system->dof, count = dof + o->system->extra;
+    int length = 0;
+    for (int i = 0; i < count && i < most; i++)
+        length += snprintf(text + length, room - (size_t)length, "%s%.5g", i ? ", " : "",
+                           state[i < dof ? i : dof + i] + 0.0);
+    return length + snprintf(text + length, room - (size_t)length, "%s", count > most ? ", .." : "");
+}
+
+bool saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *at, bool lost, const char *key,
+                              saltus_solution *scratch, char *reason) {
     const double near = 1e-2, still = 1e-3;
     const double stretching = fabs(at->at.tangent[at->at.unknowns - 2]);
+    char place[64], passages[48] = "";
     if (!(at->sequence.omega > 0 && fabs(saltus_solution_heading(at)) < still * stretching))
         return false;
     const passed_rest passed = cycle_passes(o, at);
     const bool meets = passed.found && passed.distance < near && passed.saddle;
-    const double period = 2 * M_PI * at->sequence.periods / at->sequence.omega;
-    if (meets)
-        snprintf(
-            reason, SALTUS_REASON_MAX,
-            "homoclinic: the period grows without bound, here %.6g at a distance of %.2g from a saddle%s",
-            period, passed.distance, passed.contacts ? " on a stop" : "");
+    const homoclinic limit = meets ? seek_homoclinic(o, at, &passed, scratch) : (homoclinic){.found = false};
+    if (!limit.found && !lost)
+        return false;
+    const double unit = o->family.unit[0];
+    tell_place(o, passed.state, place, sizeof place);
+    if (limit.passages > 1)
+        snprintf(passages, sizeof passages, " or heteroclinic, %d saddles a period", limit.passages);
+    if (limit.found)
+        snprintf(reason, SALTUS_REASON_MAX,
+                 "homoclinic%s: the period grows without bound, here %.6g at a distance of %.2g from a "
+                 "saddle%s (%.60s; exponents %.4g, %.4g), at %.31s = %.15g +- %.1g",
+                 passages, period_of(at), passed.distance, passed.contacts ? " on a stop" : "", place,
+                 creal(passed.growing), creal(passed.decaying), key, o->origin + unit * limit.parameter,
+                 unit * limit.accuracy);
+    else if (meets)
+        snprintf(reason, SALTUS_REASON_MAX,
+                 "the parameter stands still while the period changes, here %.6g at a distance of %.2g from "
+                 "a saddle",
+                 period_of(at), passed.distance);
     else
         snprintf(reason, SALTUS_REASON_MAX,
-                 "the parameter stands still while the period changes, here %.6g; no saddle is near", period);
-    return meets || lost;
+                 "the parameter stands still while the period changes, here %.6g; no saddle is near",
+                 period_of(at));
+    return true;
 }
 
 /* The fold of equilibria near the slowest point of a cycle. At the cycle's parameter there are none. */
@@ -132,7 +258,7 @@ bool saltus_cycle_tell_birth(saltus_orbits *o, const saltus_solution *here, cons
     const double little = 1e-3, alike = 0.1, longer = 0.3;
     if (!(next->sequence.omega > 0) || !(here->sequence.omega > 0))
         return false;
-    const double period = 2 * M_PI * next->sequence.periods / next->sequence.omega,
+    const double period = period_of(next),
                  grown = log(period * here->sequence.omega / (2 * M_PI * here->sequence.periods)),
                  way = next->parameter[0] - here->parameter[0],
                  left = way * exp(-2 * grown) / -expm1(-2 * grown);
@@ -154,7 +280,7 @@ bool saltus_cycle_tell_birth(saltus_orbits *o, const saltus_solution *here, cons
 void saltus_cycle_tell_shrinking(saltus_orbits *o, const saltus_solution *at, char *reason) {
     const passed_rest passed = cycle_passes(o, at);
     int length = snprintf(reason, SALTUS_REASON_MAX, "the orbit shrinks to an equilibrium: period %.9g",
-                          2 * M_PI * at->sequence.periods / at->sequence.omega);
+                          period_of(at));
     if (passed.found)
         snprintf(reason + length, SALTUS_REASON_MAX - (size_t)length, ", distance %.2g", passed.distance);
 }

@@ -8,9 +8,13 @@
 #include "saltus/equilibrium.h"
 
 /* Whether the branch ends at this cycle because the parameter stands still while the period changes; `reason`
- * (SALTUS_REASON_MAX) says why. It does at a homoclinic orbit, near a saddle. At a canard explosion the
- * parameter stands still too, but the period stays finite: there the branch ends only if it is `lost`. */
-bool saltus_cycle_tell_saddle(saltus_orbits *orbits, const saltus_solution *cycle, bool lost, char *reason);
+ * (SALTUS_REASON_MAX) says why. It does at a homoclinic orbit, where cycles come the closer to a saddle the
+ * longer they are, at the rate that its exponents tell; where that orbit is follows from the law of the
+ * parameter. At a canard explosion the parameter stands still too, but the period stays finite: there the
+ * branch ends only if it is `lost`. `key`: the parameter's name. The shooting has the cycle's sequence;
+ * `scratch` is overwritten. */
+bool saltus_cycle_tell_saddle(saltus_orbits *orbits, const saltus_solution *cycle, bool lost, const char *key,
+                              saltus_solution *scratch, char *reason);
 /* Whether the cycles end where two equilibria are born on them (a saddle-node on an invariant circle). The
  * period then goes as one over the square root of the parameter's distance from that place; from its growth
  * between `here` and `next` follows the distance left, which must be small, and lead to an end within

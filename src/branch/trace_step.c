@@ -534,7 +534,8 @@ static double hidden_breach(saltus_trace *t) {
  * orbit, or if the branch was `lost` in such a place. */
 static bool end_at_saddle(saltus_trace *t, const saltus_solution *at, double ahead, bool lost) {
     char reason[SALTUS_REASON_MAX];
-    const bool ends = saltus_cycle_tell_saddle(&t->orbits, at, lost, reason);
+    const bool ends =
+        saltus_cycle_tell_saddle(&t->orbits, at, lost, t->trail->options->key[0], t->spare, reason);
     if (ends)
         saltus_trace_end(t, at, ahead, reason);
     return ends;
@@ -574,8 +575,10 @@ static bool find_end(saltus_trace *t) {
     if (!saltus_cycle_tell_birth(o, t->here, next, t->range, t->trail->options->key[0], reason)) {
         if (!(fabs(saltus_solution_heading(t->here)) < still && fabs(saltus_solution_heading(next)) < still))
             return false;
+        if (end_at_saddle(t, next, next->at.ahead, false))
+            return true;
         if (!saltus_cycle_of_family(next))
-            return end_at_saddle(t, next, next->at.ahead, false);
+            return false;
         if (is_sensitive(next)) {
             if (end_by_border(t, next))
                 return true;
