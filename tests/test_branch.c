@@ -1364,7 +1364,7 @@ static void resumed_through_chatter_and_switches(void **unused) {
     options.value_count = 3;
     options.switches = 1;
     reference r = read_reference("fig7d");
-    assert_true(branch_check_resumed(&r.spec, r.periods, r.states[0], &options, long_version() ? 5 : 40) > 1);
+    assert_true(branch_check_resumed(&r.spec, r.periods, r.states[0], &options, long_version() ? 5 : 20) > 1);
 }
 
 /* The same if the branch ends at a flip of orbits of half the period. */

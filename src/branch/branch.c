@@ -202,7 +202,7 @@ static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     int parameters;
     saltus_model_parameters(spec->model, &parameters);
     /* The first number is the version of what follows. */
-    const double own[] = {15,        a->n,         a->faces,    o->low[0],     o->high[0],
+    const double own[] = {16,        a->n,         a->faces,    o->low[0],     o->high[0],
                           o->locus,  o->low[1],    o->high[1],  o->step,       o->step_max,
                           o->points, o->direction, o->switches, o->value_count};
     const double *numbers[] = {own, spec->parameters, o->values};

@@ -676,15 +676,15 @@ static bool look_back(saltus_trace *t, saltus_hopf_ahead *hopf) {
  * orbit, unless something else comes first. A step that is repeated with a shorter one must not end there
  * again. */
 static bool step_to_grazing(saltus_trace *t, saltus_zero *breach) {
-    const double most = 1.2, still = 1e-9;
+    const double still = 1e-9;
     const saltus_solution *next = t->next;
     const double expected = t->here->grazes_ahead, step = t->trail->step;
-    if (!(expected > 0 && expected < most * step))
+    if (!(expected > 0 && expected < step))
         return false;
     *breach = saltus_solution_graze(&t->orbits, t->here, t->next);
-    return breach->found && breach->ahead > 0 && breach->ahead < most * step &&
-           next->parameter[0] > t->range[0] && next->parameter[0] < t->range[1] &&
-           fabs(next->worst.value) < still && saltus_solution_touch(next)->kind == SALTUS_BREACH_SPEED;
+    return breach->found && breach->ahead > 0 && breach->ahead < step && next->parameter[0] > t->range[0] &&
+           next->parameter[0] < t->range[1] && fabs(next->worst.value) < still &&
+           saltus_solution_touch(next)->kind == SALTUS_BREACH_SPEED;
 }
 
 /* `next` becomes the first orbit of the step with a breach of zero, if it is found, unless it is that orbit;
