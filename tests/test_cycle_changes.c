@@ -161,8 +161,8 @@ static void a_planar_cycle_keeps_stable_through_grazing(void **unused) {
     }
 }
 
-/* The impact of a planar cycle, being along the flow, never makes it fold or flip where it grazes: a mass on
- * a belt, whose friction falls with the speed, over a stop. */
+/* The impact of a planar cycle, being along the flow, does not make a stable one fold or flip where it
+ * grazes: a mass on a belt, whose friction falls with the speed, over a stop. */
 static void curves_of_grazing_planar_cycles_are_plain(void **unused) {
     (void)unused;
     static const char text[] =
@@ -189,6 +189,65 @@ static void curves_of_grazing_planar_cycles_are_plain(void **unused) {
     assert_int_equal(ends, 2);
     branch_forget(&record);
     saltus_scene_clear(&scene);
+}
+
+/* The multiplier of the cycle below without impacts, by the classical Runge-Kutta method: the exponential of
+ * what the divergence adds up to in a period, from its highest point. */
+static double planar_multiplier(double v0, double top, double period) {
+    enum { steps = 4000 };
+    const double h = period / steps, share[] = {1, 2, 2, 1}, place[] = {0, 0.5, 0.5, 1};
+    double y[3] = {top, 0, 0};
+    for (int k = 0; k < steps; k++) {
+        double slope[3] = {0}, sum[3] = {0};
+        for (int j = 0; j < 4; j++) {
+            const double x = y[0] + place[j] * h * slope[0], v = y[1] + place[j] * h * slope[1];
+            slope[0] = v;
+            slope[1] = -x + (v0 - 1) * v + 0.5 * v * v * v - 0.06 * pow(v, 5);
+            slope[2] = v0 - 1 + 1.5 * v * v - 0.3 * pow(v, 4);
+            for (int i = 0; i < 3; i++)
+                sum[i] += share[j] * h / 6 * slope[i];
+        }
+        for (int i = 0; i < 3; i++)
+            y[i] += sum[i];
+    }
+    return exp(y[2]);
+}
+
+/* A mass on a belt whose cycles fold. A curve of grazing passes the fold of those without impact, and where
+ * each impact without speed, by the factor r^2, makes a multiplier 1: there folds of cycles with it begin. */
+static void curves_of_grazing_planar_cycles_meet_folds(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {v0: 0.2}\n"
+                               "  motion: {x: -x - (1 - v0)*x' + 0.5*x'^3 - 0.06*x'^5}\n"
+                               "stop: {coordinate: x, d: 2.4, r: 0.985, sides: upper}\n"
+                               "initial: {x': 2.2}\n";
+    for (int both = 0; both < 2; both++) {
+        saltus_scene scene =
+            scene_from(text, (const char *const[]){both ? "sides=both" : "sides=upper", "d=2.8"}, 2);
+        saltus_branch_options options = branch_along("v0", 0.05, 0.3);
+        snprintf(options.key[1], sizeof options.key[1], "d");
+        options.low[1] = 2.2;
+        options.high[1] = 2.85;
+        options.locus = SALTUS_POINT_GR;
+        options.switches = 1;
+        branch_record record = branch_of(&scene, options, NULL);
+        int met = 0, folds = 0;
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            folds += p->kind == SALTUS_POINT_LP && p->impacts == 1;
+            if (p->kind != SALTUS_POINT_GR_LP)
+                continue;
+            assert_true(p->accuracy < 1e-9);
+            const double with = met ? pow(0.985, both ? 4 : 2) : 1;
+            check_near(with * planar_multiplier(p->value[0], p->value[1], p->period), 1, 1e-9);
+            met++;
+        }
+        assert_int_equal(met, 2);
+        assert_true(both || folds > 5);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
 }
 
 /* A cycle between two stops meets both at once and goes on with both impacts, in steps of any length. */
@@ -852,6 +911,7 @@ int main(void) {
         cmocka_unit_test(labels_on_a_curve_of_grazing_say_what_is_counted),
         cmocka_unit_test(a_planar_cycle_keeps_stable_through_grazing),
         cmocka_unit_test(curves_of_grazing_planar_cycles_are_plain),
+        cmocka_unit_test(curves_of_grazing_planar_cycles_meet_folds),
         cmocka_unit_test(symmetric_cycles_pass_grazing),
         cmocka_unit_test(impacts_of_planar_cycles_die_together),
         cmocka_unit_test(a_planar_cycle_dies_and_shrinks),

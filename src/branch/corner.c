@@ -267,23 +267,31 @@ saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_sol
 static void measure_halves(saltus_orbits *o, saltus_shooting *shooting, saltus_locus_test tests[2]) {
     const saltus_equations *e = &shooting->equations;
     const int n = o->n, marks = shooting->sequence.count / 2, size = n + marks, m = e->unknowns,
-              row = n - saltus_shooting_closing_row(shooting);
-    saltus_dense_lu lu = {.n = 0};
-    double *a = calloc((size_t)(size * size), sizeof *a);
-    const bool room = a && saltus_dense_lu_open(&lu, size);
+              row = n - saltus_shooting_closing_row(shooting), period = shooting->count - 1;
+    bool room = true;
     for (int k = 0; k < 2 && room; k++) {
         const double sign = k ? -1 : 1;
-        for (int i = 0; i < size; i++) {
-            const double *from = e->jacobian + (i < n ? row + i : n + i) * m;
+        /* If the period is an unknown, it and the equation for it are the last, but keep the orbit so. */
+        const bool free_period = k == 0 && shooting->sequence.omega > 0;
+        const int order = size + free_period;
+        saltus_dense_lu lu = {.n = 0};
+        double *a = calloc((size_t)(order * order), sizeof *a);
+        room = a && saltus_dense_lu_open(&lu, order);
+        for (int i = 0; i < order && room; i++) {
+            const double *from = e->jacobian + (i < n ? row + i : i < size ? n + i : period) * m;
             for (int j = 0; j < size; j++)
-                a[i * size + j] = j < n ? from[j] - sign * from[n + j] : from[n + j] + sign * from[size + j];
+                a[i * order + j] = j < n ? from[j] - sign * from[n + j] : from[n + j] + sign * from[size + j];
+            if (free_period)
+                a[i * order + size] = from[period];
         }
-        saltus_dense_factor(&lu, a);
-        tests[k].kind = k ? SALTUS_POINT_GR_BP : SALTUS_POINT_GR_LP;
-        tests[k].value = (saltus_scaled){lu.sign, lu.log_modulus};
+        if (room) {
+            saltus_dense_factor(&lu, a);
+            tests[k].kind = k ? SALTUS_POINT_GR_BP : SALTUS_POINT_GR_LP;
+            tests[k].value = (saltus_scaled){lu.sign, lu.log_modulus};
+        }
+        saltus_dense_lu_close(&lu);
+        free(a);
     }
-    saltus_dense_lu_close(&lu);
-    free(a);
     o->starved |= !room;
 }
 
@@ -313,6 +321,22 @@ static void measure_mirrored(saltus_extended *x, const saltus_solution *s, bool 
     saltus_shooting_free(shooting);
 }
 
+/* The functions of a planar cycle with the grazing impact. The impulse is along the flow: there the
+ * determinants are zero at any place, and their signs rounding. But the one multiplier beside that along the
+ * flow is that without the impact, from the multipliers `without`, times r^2, and at 1 cycles with the impact
+ * fold. */
+static void measure_planar(const saltus_extended *x, const saltus_solution *s, const saltus_close *without,
+                           saltus_locus_test tests[of_orbit]) {
+    const double nothing = 1e-11;
+    double multiplier = without->count == 1 ? without->re[0] : NAN;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
+            multiplier *= pow(saltus_system_rebound(x->orbits.system, s->breaches[k].face, 0).r, 2);
+    for (int k = 0; k < of_orbit; k++)
+        tests[k].value = (saltus_scaled){k == of_fold ? multiplier - 1 : NAN, 0};
+    tests[of_fold].quiet = log(nothing);
+}
+
 /* The six functions of an orbit on a curve of grazing, three with the grazing impact and three without; NAN
  * if they cannot be computed. */
 static void measure_grazing(saltus_extended *x, const saltus_solution *s, saltus_locus_test *corners) {
@@ -333,16 +357,14 @@ static void measure_grazing(saltus_extended *x, const saltus_solution *s, saltus
         measure_orbit(&x->orbits, shooting, tests[1]);
     measure_orbit(&x->orbits, x->orbits.shooting, tests[0]);
     saltus_shooting_free(shooting);
-    /* The impulse is along the flow of a planar cycle: there the determinants with the impact are zero at any
-     * place, and their signs rounding. */
-    for (int k = 0; k < of_orbit && s->sequence.omega > 0 && x->orbits.n == 2; k++)
-        tests[0][k].value.mantissa = NAN;
     for (int without = 0; without < 2 && x->mirrored && x->orbits.system->mirror; without++)
         measure_mirrored(x, s, without, tests[without]);
     /* Determinants with and without the impact are of similar size if neither is zero. If complete chatter
      * after the impact loses all its effects, the determinant with it is only rounding. */
     for (int k = 0; k < 4; k++)
         tests[k / 2][k % 2].quiet = tests[1 - k / 2][k % 2].value.exponent + log(1e-9);
+    if (s->sequence.omega > 0 && x->orbits.n == 2)
+        measure_planar(x, s, &tests[1][of_pair].single, tests[0]);
     memcpy(corners, tests[0], 2 * sizeof *corners);
     memcpy(corners + 2, tests[1], 3 * sizeof *corners);
     corners[5] = tests[0][of_pair];

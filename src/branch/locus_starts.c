@@ -326,6 +326,10 @@ static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const 
         start->theta = at_one ? 0 : M_PI;
         return 1;
     }
+    /* Two impacts of a planar cycle that graze together make its equations singular twice over. */
+    const bool planar = at->sequence.omega > 0 && x->orbits.n == 2;
+    if (planar && x->mirrored && x->orbits.system->mirror && x->kind == SALTUS_POINT_GR && !corner->without)
+        return 0;
     start->theta = corner->theta;
     return special[corner->kind] ? special_curves(x, corner, special[corner->kind], at, starts) : 0;
 }
