@@ -1086,6 +1086,25 @@ static void a_pair_turns_real_before_grazing(void **unused) {
     branch_forget(&record);
 }
 
+/* Where orbits of twice the period leave, the parameter turns: a fold that cannot be told from there, however
+ * far it seems along the branch, is none. */
+static void no_fold_is_where_a_branch_begins(void **unused) {
+    (void)unused;
+    saltus_branch_options options = branch_along("omega", 3.38507, 6.28657);
+    options.switches = 1;
+    options.points = 12;
+    options.step = 0.0025;
+    options.step_max = 0.01;
+    branch_record record = run_from("budd-dux", "omega=4.872 d=-0.0245213 r=0.91891", 0, NULL, &options);
+    int at = 0, flips = 0;
+    for (const saltus_branch_point *p; (p = branch_next_special(&record, 0, &at));)
+        flips += p->kind == SALTUS_POINT_PD;
+    for (int k = 0; k < record.count; k++)
+        assert_int_not_equal(record.point[k].kind, SALTUS_POINT_LP);
+    assert_true(flips == 1 && last_of(&record)->branch > 0);
+    branch_forget(&record);
+}
+
 /* Where the search for a fold leads to the other one of two branches that join, there is none. */
 static void no_fold_is_on_the_other_branch(void **unused) {
     (void)unused;
@@ -1198,6 +1217,7 @@ int main(void) {
         cmocka_unit_test(tori_between_the_grazings_of_a_run),
         cmocka_unit_test(a_torus_before_grazing),
         cmocka_unit_test(a_pair_turns_real_before_grazing),
+        cmocka_unit_test(no_fold_is_where_a_branch_begins),
         cmocka_unit_test(no_fold_is_on_the_other_branch),
         cmocka_unit_test(nothing_is_named_within_rounding),
         cmocka_unit_test(folds_are_found_on_leaps),

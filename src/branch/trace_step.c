@@ -89,7 +89,7 @@ static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *
 /* Where a branch leaves another one its parameter may turn, too: a fold so close to there that it cannot be
  * told from it. So may be the branch point itself. */
 static bool is_start(const saltus_trace *t, const saltus_special *special) {
-    const double close = 1e-4, same = 1e-7, along = t->trail->arclength + special->ahead;
+    const double close = 1e-3, same = 1e-7, along = t->trail->arclength + special->ahead;
     return t->trail->parent >= 0 && ((special->kind == SALTUS_POINT_LP && along < close &&
                                       fabs(special->value - t->first_value) <= special->accuracy) ||
                                      (special->kind == SALTUS_POINT_BP && along < same && t->trail->fresh));

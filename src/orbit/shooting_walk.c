@@ -69,7 +69,7 @@ static void carry_columns(saltus_response *r, int first, int count) {
             const double *restrict column = r->answer + k * m + first;
             const double share = r->tangents[k * n + i];
             for (int j = 0; j < count; j++)
-                to[j] += share * column[j];
+                to[j] = fma(share, column[j], to[j]);
         }
     }
 }
@@ -94,9 +94,9 @@ static void respond_at_mark(const saltus_response *r, const double *gradient, do
         const double *restrict answer = r->answer + i * r->unknowns;
         const double share = gradient[i] / scale;
         for (int j = r->state; j < r->state + r->n; j++)
-            row[j] += share * answer[j];
+            row[j] = fma(share, answer[j], row[j]);
         for (int j = r->times; j < r->times + r->passed; j++)
-            row[j] += share * answer[j];
+            row[j] = fma(share, answer[j], row[j]);
     }
     for (int d = 0; d < r->directions; d++)
         if (r->place[d] >= 0)
