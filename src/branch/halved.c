@@ -298,19 +298,10 @@ static bool finish(saltus_extended *x, shorter *s, bool opened, double farthest,
     return found;
 }
 
-/* The breach of the slowest impact; NULL: there is none. */
-static const saltus_breach *slowest_of(const saltus_solution *s) {
-    const saltus_breach *slowest = NULL;
-    for (int k = 0; k < s->breach_count; k++)
-        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && (!slowest || s->breaches[k].value > slowest->value))
-            slowest = &s->breaches[k];
-    return slowest;
-}
-
 bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, double farthest,
                          saltus_locus_point *at) {
     const double alike = 1e-5, near = 1e-6;
-    const saltus_breach *touch = slowest_of(&at->orbit);
+    const saltus_breach *touch = saltus_solution_slowest(&at->orbit);
     saltus_sequence once;
     shorter s;
     const saltus_sequence *whole = &at->orbit.sequence;
@@ -341,7 +332,7 @@ bool saltus_halved_touch(saltus_extended *x, saltus_point_kind kind, int parts, 
 bool saltus_halved_still(saltus_extended *x, saltus_point_kind kind, double farthest,
                          saltus_locus_point *at) {
     const double slow = 1e-5;
-    const saltus_breach *touch = slowest_of(&at->orbit);
+    const saltus_breach *touch = saltus_solution_slowest(&at->orbit);
     const bool grazes = x->kind == SALTUS_POINT_GR;
     saltus_sequence whole = at->orbit.sequence;
     shorter s;

@@ -204,8 +204,7 @@ bool saltus_solution_visit(saltus_orbits *o, const saltus_solution *from, double
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 
-/* The breach of the slowest prescribed impact; NULL: there is none. */
-static const saltus_breach *slowest_impact(const saltus_solution *s) {
+const saltus_breach *saltus_solution_slowest(const saltus_solution *s) {
     const saltus_breach *slowest = NULL;
     for (int k = 0; k < s->breach_count; k++)
         if (s->breaches[k].kind == SALTUS_BREACH_SPEED && (!slowest || s->breaches[k].value > slowest->value))
@@ -215,7 +214,7 @@ static const saltus_breach *slowest_impact(const saltus_solution *s) {
 
 /* Beside grazing the square of a speed is linear in the parameter, and the curve straight in what matters. */
 void saltus_solution_expect_grazing(saltus_solution *s, const saltus_solution *before) {
-    const saltus_breach *now = slowest_impact(s);
+    const saltus_breach *now = saltus_solution_slowest(s);
     for (int k = 0; k < before->breach_count && now; k++) {
         const saltus_breach *then = &before->breaches[k];
         const double fall = then->value * then->value - now->value * now->value;
@@ -232,16 +231,16 @@ saltus_zero saltus_solution_graze(saltus_orbits *o, const saltus_solution *from,
     const double nothing = 1e-13;
     saltus_equations *e = o->equations;
     saltus_zero zero = {.accuracy = INFINITY};
-    const saltus_breach *impact = slowest_impact(from);
+    const saltus_breach *impact = saltus_solution_slowest(from);
     const int m = e->unknowns, c = e->count;
     const int own = impact ? from->sequence.cuts * o->n + impact->mark : 0;
-    if (!impact || !saltus_curve_reserve(&out->at, m))
+    saltus_status status = saltus_curve_reserve(&out->at, m) ? SALTUS_OK : SALTUS_NO_MEMORY;
+    if (!impact || saltus_orbits_noted(o, status) != SALTUS_OK)
         return zero;
     const double *row = saltus_shooting_speed_row(o->shooting, impact->mark);
     double length = INFINITY, before = INFINITY;
     for (int j = 0; j < m; j++)
         out->at.u[j] = from->at.u[j] + from->grazes_ahead * from->at.tangent[j];
-    saltus_status status = SALTUS_OK;
     for (int k = 0; k < iterations_max && status == SALTUS_OK && length > nothing; k++) {
         status = saltus_equations_evaluate(e, out->at.u, NULL);
         if (status == SALTUS_OK)

@@ -116,6 +116,8 @@ saltus_status saltus_solution_see(saltus_orbits *orbits, saltus_solution *out, s
 /* The point of the curve at arclength `ahead` from another. False if there is no such point near. */
 bool saltus_solution_visit(saltus_orbits *orbits, const saltus_solution *from, double ahead,
                            saltus_solution *out);
+/* The breach of the slowest prescribed impact; NULL: there is none. */
+const saltus_breach *saltus_solution_slowest(const saltus_solution *solution);
 /* Predict where the slowest impact of `s` loses its speed from a point before, of the same sequence, that is
  * s->at.ahead behind. */
 void saltus_solution_expect_grazing(saltus_solution *s, const saltus_solution *before);
