@@ -236,6 +236,10 @@ static void curves_of_grazing_planar_cycles_meet_folds(void **unused) {
         for (int j = 0; j < record.count; j++) {
             const saltus_branch_point *p = &record.point[j];
             folds += p->kind == SALTUS_POINT_LP && p->impacts == 1;
+            /* Not those with the impact, by chance. */
+            if (p->kind == SALTUS_POINT_GR)
+                check_near(p->multipliers[0].re, planar_multiplier(p->value[0], p->value[1], p->period),
+                           2e-3);
             if (p->kind != SALTUS_POINT_GR_LP)
                 continue;
             assert_true(p->accuracy < 1e-9);

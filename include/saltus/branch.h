@@ -85,7 +85,8 @@ typedef struct saltus_branch_point {
     /* Allocated for `dimension` entries. At an equilibrium: its eigenvalues, by decreasing real part, with
      * the real part as log_modulus too. */
     saltus_multiplier *multipliers; /* unresolved if many are far below 1e-40 (nine modes or more); at LP, PD
-                                       and BP the critical one is NAN where rounding hides it */
+                                       and BP the critical one is NAN where rounding hides it; on a curve of
+                                       grazing those without the impact */
     int multiplier_count; /* dimension; one less for an orbit with a period of its own; at an equilibrium two
                              less for each contact that holds; 0: not known */
     double trivial_multiplier; /* of an orbit with a period of its own: the multiplier along the flow, 1 up to

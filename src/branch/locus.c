@@ -234,6 +234,38 @@ void saltus_locus_close(saltus_locus *l) {
     *l = (saltus_locus){.trail = l->trail, .starts = l->starts};
 }
 
+/* On a curve of grazing it is chance whether the flow meets the impact: `point` gets the multipliers without
+ * it, those of the orbit a little beside the curve that does not touch the stop, if that is found. */
+static void take_multipliers_without(saltus_locus *l, const saltus_solution *s, saltus_branch_point *point) {
+    static const double apart[] = {1e-7, -1e-7, 1e-6, -1e-6};
+    saltus_orbits *o = &l->x.orbits;
+    const saltus_sequence without = saltus_corner_without(&l->x, s);
+    saltus_solution beside = {.value = 0};
+    double *states;
+    bool found = false;
+    const saltus_status status = saltus_solution_states_at(o, s, &without, &states, NULL);
+    for (int d = 1; d >= 0 && status == SALTUS_OK && !found; d--) {
+        saltus_orbits own = {.family = o->family, .options = o->options};
+        own.family.spec = saltus_family_spec(&o->family, s->parameter, s->sequence.omega);
+        own.family.parameters = 1;
+        own.family.direction[0] = o->family.direction[d];
+        own.family.unit[0] = o->family.unit[d];
+        const bool opened = saltus_orbits_noted(o, saltus_orbits_open(&own, NULL)) == SALTUS_OK;
+        for (size_t k = 0; k < sizeof apart / sizeof apart[0] && opened && !found; k++)
+            found = saltus_solution_restore(&own, &without, &apart[k], states, true, &beside, NULL) ==
+                        SALTUS_OK &&
+                    beside.worst.value < 0 && saltus_solution_survey(&own, &beside, NULL) == SALTUS_OK &&
+                    beside.survey.follows;
+        o->starved |= own.starved;
+        saltus_orbits_close(&own);
+    }
+    if (found)
+        saltus_point_take_multipliers(&beside, point);
+    free(states);
+    saltus_solution_clear(&beside);
+    saltus_orbits_noted(o, status);
+}
+
 /* Give out a point of the curve, what.ahead of `here`; nothing if the curve has ended. */
 static void give_as(saltus_locus *l, const saltus_locus_point *p, saltus_notice what) {
     const saltus_solution *s = &p->orbit;
@@ -265,6 +297,7 @@ static void give_as(saltus_locus *l, const saltus_locus_point *p, saltus_notice 
         point.admissible = breach < 1e-9;
     if (grazes) {
         const saltus_mark *own = &s->sequence.mark[l->x.mark];
+        take_multipliers_without(l, s, &point);
         const saltus_breach touch = {.face = own->face, .time = saltus_point_time(s, &count, own->time)};
         saltus_point_mark_grazing(l->x.orbits.system, &touch, &point);
     }

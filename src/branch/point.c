@@ -200,6 +200,17 @@ static void from_maximum(saltus_orbits *o, const saltus_solution *s, bool found,
     saltus_lap_close(&lap);
 }
 
+void saltus_point_take_multipliers(const saltus_solution *s, saltus_branch_point *point) {
+    const saltus_survey *survey = &s->survey;
+    point->multiplier_count = survey->multiplier_count;
+    point->trivial_multiplier = s->sequence.omega > 0 ? survey->trivial : 0;
+    point->unstable = survey->unstable;
+    point->stable = saltus_multipliers_stable(survey->multipliers, survey->multiplier_count);
+    point->log_volume = survey->log_volume;
+    point->sum_rule = survey->sum_rule;
+    memcpy(point->multipliers, survey->multipliers, (size_t)point->dimension * sizeof *point->multipliers);
+}
+
 bool saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescribed,
                        saltus_branch_point *point, saltus_cycle_count *count) {
     const saltus_survey *survey = &s->survey;
@@ -220,16 +231,10 @@ bool saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescrib
     point->spec = saltus_spec_shifted(&spec, &o->family.direction[0], rest);
     point->periods = periods;
     point->period = periods * 2 * M_PI / saltus_spec_omega(&spec);
-    point->multiplier_count = survey->multiplier_count;
-    point->trivial_multiplier = s->sequence.omega > 0 ? survey->trivial : 0;
-    point->unstable = survey->unstable;
-    point->stable = saltus_multipliers_stable(survey->multipliers, survey->multiplier_count);
+    saltus_point_take_multipliers(s, point);
     point->admissible = survey->follows;
     point->residual = s->at.residual;
     point->iterations = s->at.iterations;
-    point->log_volume = survey->log_volume;
-    point->sum_rule = survey->sum_rule;
-    memcpy(point->multipliers, survey->multipliers, (size_t)o->n * sizeof *point->multipliers);
     /* If chatter is left to the flow the prescribed path may not lead to the section: then take the flow's
      * state nearby. */
     if (found || saltus_solution_state_at(o, s, section, point->state, NULL) != SALTUS_OK)

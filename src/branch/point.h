@@ -25,6 +25,8 @@ bool saltus_point_open(saltus_branch_point *point, int dimension, int events);
  * False without memory, which is noted. */
 bool saltus_point_make(saltus_orbits *orbits, const saltus_solution *solution, bool prescribed,
                        saltus_branch_point *point, saltus_cycle_count *count);
+/* The multipliers, and what follows from them, of a surveyed solution. */
+void saltus_point_take_multipliers(const saltus_solution *solution, saltus_branch_point *point);
 /* The time at which a point made of a solution has what is at `time` of its sequence. */
 double saltus_point_time(const saltus_solution *solution, const saltus_cycle_count *count, double time);
 /* Record a breach as the touch at grazing, or of an equilibrium. */
