@@ -413,6 +413,58 @@ static void the_law_of_the_period_tells_where_it_has_no_bound(void **unused) {
     }
 }
 
+/* Along a curve on which a rest touches a stop, at x = 1/2, its stability changes where mu = x^2, and where
+ * it folds, k = 3 x^2. */
+static void curves_of_rests_on_a_stop_tell_where_stability_changes(void **unused) {
+    (void)unused;
+    static const char half[] = "stop: {coordinate: x, d: 0.5, r: 0.8, sides: upper}\n";
+    static const struct {
+        const char *parameters, *motion, *rest, *key;
+        saltus_point_kind kind;
+        double low, high, there[2];
+    } cases[] = {{"F: {default: 0.3}, mu: {default: 0.02}",
+                  "F - x + (mu - x^2)*x'",
+                  "initial: {x: 0.3}\n",
+                  "mu",
+                  SALTUS_POINT_HB,
+                  0.2,
+                  0.8,
+                  {0.5, 0.25}},
+                 {"F: {default: -0.1}, k: {default: 0.2}",
+                  "F + k*x - x^3 - 0.2*x'",
+                  "initial: {x: -0.5}\n",
+                  "k",
+                  SALTUS_POINT_LP,
+                  -0.4,
+                  0.8,
+                  {-0.25, 0.75}}};
+    for (int c = 0; c < 2; c++) {
+        char rest[160];
+        snprintf(rest, sizeof rest, "%s%s", half, cases[c].rest);
+        saltus_scene scene = scene_of(cases[c].parameters, cases[c].motion, rest);
+        saltus_branch_options options = branch_along("F", cases[c].low, cases[c].high);
+        snprintf(options.key[1], sizeof options.key[1], "%s", cases[c].key);
+        options.low[1] = 0;
+        options.high[1] = 1;
+        options.locus = SALTUS_POINT_BE;
+        branch_record record = follow(&scene, &options);
+        int met = 0;
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            if (p->kind != cases[c].kind) {
+                assert_true(p->kind == SALTUS_POINT_BE || p->kind == SALTUS_POINT_EP);
+                continue;
+            }
+            check_near(p->value[0], cases[c].there[0], 1e-11);
+            check_near(p->value[1], cases[c].there[1], 1e-11);
+            met++;
+        }
+        assert_int_equal(met, 1);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
 /* Known curves in two parameters: Hopf points of the same equations on b1 = 0, which end at b2 = 0; folds at
  * b1 = b2^2 / 4; a cusp at 0; a generalised Hopf point at b = 0; a stop that is met at F = d. */
 static void loci_are_where_they_are_known(void **unused) {
@@ -850,6 +902,7 @@ int main(void) {
         cmocka_unit_test(equilibria_meet_stops_and_leave_them),
         cmocka_unit_test(cycles_end_at_a_homoclinic_orbit),
         cmocka_unit_test(the_law_of_the_period_tells_where_it_has_no_bound),
+        cmocka_unit_test(curves_of_rests_on_a_stop_tell_where_stability_changes),
         cmocka_unit_test(loci_are_where_they_are_known),
         cmocka_unit_test(curves_meet_where_two_eigenvalues_are_zero),
         cmocka_unit_test(folding_cycles_grow_from_a_generalised_hopf_point),

@@ -15,7 +15,26 @@ static const struct {
 } tests[SALTUS_POINT_KINDS][SALTUS_REST_TESTS] = {
     [SALTUS_POINT_HB] = {{SALTUS_POINT_BT, true}, {SALTUS_POINT_GH, false}},
     [SALTUS_POINT_LP] = {{SALTUS_POINT_CP, false}, {SALTUS_POINT_BT, false}},
+    [SALTUS_POINT_BE] = {{SALTUS_POINT_HB, false}, {SALTUS_POINT_LP, false}},
 };
+
+/* The product of all eigenvalues, or of all but one. */
+static double product_of(const saltus_rests *r, const saltus_rest *s, int omitted) {
+    double complex product = 1;
+    for (int j = 0; j < s->rate_count; j++)
+        if (j != omitted)
+            product *= (s->rates[j].re + I * s->rates[j].im) / r->rate_scale;
+    return creal(product);
+}
+
+/* Whether a pair of eigenvalues is imaginary, but for rounding. */
+static bool has_pair(const saltus_rests *r, const saltus_rest *s) {
+    const double close = 1e-6;
+    bool has = false;
+    for (int k = 0; k < s->rate_count; k++)
+        has |= s->rates[k].im != 0 && fabs(s->rates[k].re) < close * r->rate_scale;
+    return has;
+}
 
 /* All that a point's unknowns tell. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
 static saltus_status look(saltus_rest_locus *l, saltus_rest *s, saltus_message *message) {
@@ -33,13 +52,13 @@ static saltus_status look(saltus_rest_locus *l, saltus_rest *s, saltus_message *
         s->tests[0] = saltus_dot(row, special->right, r->size);
         /* The sum over the eigenvalues of the product of all others: zero where two eigenvalues are zero. */
         s->tests[1] = 0;
-        for (int k = 0; k < s->rate_count; k++) {
-            double complex product = 1;
-            for (int j = 0; j < s->rate_count; j++)
-                if (j != k)
-                    product *= s->rates[j].re + I * s->rates[j].im;
-            s->tests[1] += creal(product);
-        }
+        for (int k = 0; k < s->rate_count; k++)
+            s->tests[1] += product_of(r, s, k);
+    }
+    if (status == SALTUS_OK && special->kind == SALTUS_POINT_BE) {
+        const int pairs = s->rate_count * (s->rate_count - 1) / 2;
+        s->tests[0] = saltus_scaled_in(s->pairs, pairs * log(r->rate_scale));
+        s->tests[1] = product_of(r, s, -1);
     }
     if (status == SALTUS_OK && special->kind == SALTUS_POINT_HB) {
         saltus_rests_pair(r, s->at.u, special->square, &square);
@@ -288,10 +307,15 @@ static void give_corners(saltus_rest_locus *l, double last) {
     for (int i = 0; i < count && found[i].ahead < last && l->trail->following; i++) {
         const saltus_point_kind kind = found[i].kind;
         sought s = {l, kind != tests[l->rests.special.kind][0].kind, -1};
-        if (!value_ahead(&s, found[i].ahead, &value))
+        const bool touches = l->rests.special.kind == SALTUS_POINT_BE;
+        if (!value_ahead(&s, found[i].ahead, &value) ||
+            (touches && kind == SALTUS_POINT_HB && !has_pair(&l->rests, &l->trial)))
             continue;
-        give(l, &l->trial, kind, found[i].ahead, NULL);
-        if (kind != SALTUS_POINT_CP && l->trail->following)
+        give(l, &l->trial, kind, found[i].ahead,
+             !touches                  ? NULL
+             : kind == SALTUS_POINT_HB ? "a curve of Hopf points meets the stop"
+                                       : "a curve of folds meets the stop");
+        if (kind != SALTUS_POINT_CP && !touches && l->trail->following)
             meet(l, kind, &l->trial);
         if (tests[l->rests.special.kind][s.test].ends && l->trail->following)
             give(l, &l->trial, SALTUS_POINT_EP, found[i].ahead,
