@@ -171,14 +171,18 @@ static homoclinic seek_homoclinic(saltus_orbits *o, const saltus_solution *at, c
 }
 
 /* The displacements and extra states of a rest, the first few of them. */
-static int tell_place(const saltus_orbits *o, const double *state, char *text, size_t room) {
+static void tell_place(const saltus_orbits *o, const double *state, char *text, size_t room) {
     enum { most = 3 };
+    const double nothing = 1e-12, *scale = saltus_system_scale(o->system);
     const int dof = o->system->dof, count = dof + o->system->extra;
     int length = 0;
-    for (int i = 0; i < count && i < most; i++)
-        length += snprintf(text + length, room - (size_t)length, "%s%.5g", i ? ", " : "",
-                           state[i < dof ? i : dof + i] + 0.0);
-    return length + snprintf(text + length, room - (size_t)length, "%s", count > most ? ", .." : "");
+    for (int k = 0; k < count && k < most; k++) {
+        const int i = k < dof ? k : dof + k;
+        const double value = fabs(state[i]) < nothing * scale[i] ? 0 : state[i];
+        length += snprintf(text + length, room - (size_t)length, "%s%.5g", k ? ", " : "", value);
+    }
+    if (count > most)
+        snprintf(text + length, room - (size_t)length, ", ..");
 }
 
 bool saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *at, bool lost, const char *key,
