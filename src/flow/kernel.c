@@ -629,13 +629,19 @@ KERNEL_INLINE lane_t coefficient_step(lane_t room, int k, lane_t limit) {
     return lane_if_less(none, room, lane_if_less(room, lane_constant(untold), step, limit), none);
 }
 
-/* Zero if all displacements and velocities of the state are finite, otherwise not a number. */
+/* Zero if all displacements of the state and the last velocities and extra states of the series are finite,
+ * otherwise not a number. What is no number stays so in all later orders, but a maximum may pass it over. */
 KERNEL_INLINE lane_t finite_sum(const saltus_work *w, shape f) {
-    const saltus_pack *q = PACKS(w->jet.q), *v = PACKS(w->jet.v);
+    const long last = (long)f.degree_least * (1 + f.columns);
+    const saltus_pack *q = PACKS(w->jet.q), *v = PACKS(w->jet.v) + last * f.packs;
+    const lane_t *e = NUMBERS(w->jet.e) + last * f.extra;
     saltus_pack sum = {0};
     for (int p = 0; p < f.packs; p++)
         sum += (q[p] - q[p]) + (v[p] - v[p]);
-    return lane_total(sum);
+    lane_t total = lane_total(sum);
+    for (int i = 0; i < f.extra; i++)
+        total += e[i] - e[i];
+    return total;
 }
 
 /* `step` if order k is one of the last two of the lane's series, else the limit. */
