@@ -374,6 +374,16 @@ static void faults_end_a_motion(void **state) {
         check_near(when, k == 5 ? 0 : ends, 1e-12 * ends);
         free(text);
     }
+    /* What does not depend on the state has no value from the start. */
+    file = fopen(path_in(f, "never.yaml"), "w");
+    assert_non_null(file);
+    fputs("model: {parameters: {p: -1}, motion: {x: -sqrt(p)*x}}\ninitial: {x: 0.5}\n", file);
+    fclose(file);
+    assert_int_equal(run(f, "simulate never.yaml --periods 2 -o never.csv"), 1);
+    char *never = said(f, "err");
+    assert_non_null(strstr(never, "at 0 periods: "));
+    assert_non_null(strstr(never, "sqrt(p) has no value where p = -1"));
+    free(never);
     assert_int_equal(run(f, "sweep empty.yaml --over omega=1:1.2:9 --quiet -o sweep.csv"), 1);
     char *text = said(f, "out"), *why = said(f, "err");
     assert_non_null(strstr(text, "failed                      9  100.00 %"));
