@@ -247,6 +247,7 @@ static void impacts_shrink_to_a_flat_touch(void **unused) {
  * with more impacts, it has not come back. */
 static void places_come_again_with_more_impacts(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const double state[] = {0.45105424242242537, 0.030489239036128123};
     static const network network = {
         "impact-oscillator",
@@ -492,6 +493,7 @@ static void impacts_die_at_once_where_vibrations_come_back(void **unused) {
  * half of it by little at the section; special orbits among these are none of those. */
 static void curves_begin_where_perturbations_grow(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const double state[] = {1.0002341599780877, 0.6583323007780392};
     const network network = {
         "duffing",
@@ -561,6 +563,7 @@ static void grazing_joins_images_within_rounding(void **unused) {
  * nowhere. */
 static void impacts_fade_at_a_resonance(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const network networks[] = {{"budd-dux",
                                         "omega=4.83582 r=0.91891 d=-0.0245213",
                                         SALTUS_POINT_LP,
@@ -587,6 +590,7 @@ static void impacts_fade_at_a_resonance(void **unused) {
  * the periods fall off faster than the distance. */
 static void orbits_fade_where_vibrations_turn_round(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const double state[] = {-0.15140702972679407, -0.08475116528692535};
     const network network = {"budd-dux",
                              "omega=3.9497905077403015 d=0.07580537997803467 r=0.948745",
@@ -611,6 +615,7 @@ static void orbits_fade_where_vibrations_turn_round(void **unused) {
  * along the curve of grazing. */
 static void places_are_as_good_as_stated(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const network network = {"budd-dux",
                                     "omega=5.09066 r=0.521489 d=-0.00454926",
                                     SALTUS_POINT_LP,
@@ -644,6 +649,7 @@ static void no_step_leads_across_a_hairpin(void **unused) {
  * to the other: its chord then is no chord of a smooth curve. */
 static void no_step_leaps_to_another_piece(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const network network = {"two-mass",
                                     "d=0.196018 omega=1.20454 r=0.739606",
                                     SALTUS_POINT_GR,
@@ -661,6 +667,7 @@ static void no_step_leaps_to_another_piece(void **unused) {
  * curves of flips, too, and a double multiplier is known only to the root of an error. */
 static void last_impacts_are_hardly_felt(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const network networks[] = {{"two-mass",
                                         "d=0.332407 omega=0.539284 r=0.544366",
                                         SALTUS_POINT_GR,
@@ -806,6 +813,7 @@ static void steep_curves_join_at_flips(void **unused) {
  */
 static void tori_of_mirror_images_pass_minus_one(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const network network = {"fig7d",
                                     "omega=39.4447 d=0.0236915 r=0.686473 N=2 sides=both",
                                     SALTUS_POINT_LP,
