@@ -121,9 +121,11 @@ static inline json *json_value(const char **at) {
         char *end = NULL;
         value->kind = JSON_NUMBER;
         value->number = strtod(*at, &end);
-        /* Neither nan nor inf, nor hexadecimal numbers. */
-        if (end == *at || !(isdigit((unsigned char)**at) || **at == '-') || !isfinite(value->number) ||
-            memchr(*at, 'x', (size_t)(end - *at)))
+        /* Neither nan nor inf, nor hexadecimal numbers, nor 007, -.5, 1. or 1.e-6. */
+        const char *first = *at + (**at == '-'), *point = memchr(*at, '.', (size_t)(end - *at));
+        if (end == *at || !isdigit((unsigned char)*first) || !isfinite(value->number) ||
+            memchr(*at, 'x', (size_t)(end - *at)) || (*first == '0' && isdigit((unsigned char)first[1])) ||
+            (point && !isdigit((unsigned char)point[1])))
             fail_msg("JSON: no value at %.40s", *at);
         *at = end;
     }

@@ -73,7 +73,7 @@ static void make(made *m, saltus_point_kind locus) {
             snprintf(p->label_after, sizeof p->label_after, "%d/%d", 80 + k, 3 + k);
         if (k % 6 == 3)
             strcpy(p->label_after, p->label);
-        if (k % 4 == 3)
+        if (k % 4 == 3 || k == 6)
             snprintf(p->reason, sizeof p->reason, "reason %d", 900 + k);
         m->multiplier[k][0] = multiplier(-0.75 - k, 0);
         m->multiplier[k][1] = multiplier(k % 8 < 4 ? 0.5625 : 0.4375, 0);
@@ -133,6 +133,7 @@ static void special_points_are_listed(void **state) {
         text_lines lines;
         make(&m, loci[l]);
         bool locus = loci[l] != SALTUS_POINT_REGULAR;
+        int remarked = 0;
         lines_open(&lines);
         saltus_write_branch_text(lines.stream, &m.file);
         lines_read(&lines);
@@ -155,8 +156,9 @@ static void special_points_are_listed(void **state) {
                     lines_next(&lines, head, p->stable ? ", stable" : ", unstable", 3, p->value[0], 50. + k,
                                3. + k);
             }
-            if (p->kind == SALTUS_POINT_REGULAR || p->kind == loci[l])
+            if (p->kind == SALTUS_POINT_REGULAR ? !p->reason[0] : p->kind == loci[l])
                 continue;
+            remarked += p->kind == SALTUS_POINT_REGULAR;
             snprintf(head, sizeof head, "%d  %-5s  ", k + 1, saltus_point_word(p->kind));
             double list[9] = {0};
             int count = numbers_of(&m, k, list);
@@ -171,6 +173,7 @@ static void special_points_are_listed(void **state) {
             lines_next(&lines, head, NULL, count, list[0], list[1], list[2], list[3], list[4], list[5],
                        list[6], list[7], list[8]);
         }
+        assert_int_equal(remarked, 1);
         lines_end(&lines);
         saltus_system_free(m.system);
     }

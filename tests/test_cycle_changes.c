@@ -217,6 +217,7 @@ static double planar_multiplier(double v0, double top, double period) {
  * each impact without speed, by the factor r^2, makes a multiplier 1: there folds of cycles with it begin. */
 static void curves_of_grazing_planar_cycles_meet_folds(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char text[] = "model:\n"
                                "  parameters: {v0: 0.2}\n"
                                "  motion: {x: -x - (1 - v0)*x' + 0.5*x'^3 - 0.06*x'^5}\n"
@@ -291,6 +292,7 @@ static void symmetric_cycles_pass_grazing(void **unused) {
  * and neither folds nor flips, as its one multiplier is neither 1 nor -1. */
 static void impacts_of_planar_cycles_die_together(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char text[] = "model:\n"
                                "  parameters: {mu: 1}\n"
                                "  motion: {x: mu*(1 - x^2)*x' - x}\n"

@@ -959,6 +959,7 @@ static void slow_forcing_hides_no_corner(void **unused) {
  * or -1 at once: the product over pairs keeps its sign, and only the number inside the circle tells. */
 static void pairs_beside_infinity_are_found(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char *const key[2] = {"d", "omega"};
     static const double low[2] = {-0.5, 0.42}, high[2] = {4, 2.4}, step_max[2] = {0.01, 0.02};
     static const grazing_masses rows[] = {
@@ -1172,6 +1173,7 @@ static void grazing_passes_a_crossing(void **unused) {
  * curves, which begin on that of free motion where half a period is a whole number of free oscillations. */
 static void grazing_joins_a_symmetric_motion(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char *const key[2] = {"d", "omega"};
     static const double low[2] = {1, 0.4}, high[2] = {1.6, 0.7}, step_max[] = {0.02, 0.01, 0.005};
     static const double c[] = {0.236, 0.226};
@@ -1268,6 +1270,7 @@ static void mirror_images_are_one_orbit(void **unused) {
  * a solution of a quadratic equation; that of the folds grows on the other side of it. */
 static void symmetry_breaks_where_it_folds(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char *const key[2] = {"d", "omega"};
     static const double low[2] = {0.665085, 0.446529}, high[2] = {2.12827, 1.19074},
                         step_max[2] = {0.02, 0.01};
@@ -1298,6 +1301,7 @@ static void symmetry_breaks_where_it_folds(void **unused) {
  * another such flip, and is found from either end. */
 static void grazing_leaves_a_flip_aslant(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char *const key[2] = {"d", "omega"};
     static const double low[2] = {0.97, 0.335}, high[2] = {0.98, 0.355}, step_max[2] = {0.4, 0.2},
                         state[2] = {0.8693461999700857, 0.005582376261226392};

@@ -269,6 +269,7 @@ static void places_come_again_with_more_impacts(void **unused) {
  * that no place before tells it. */
 static void folds_fade_from_near_by(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const double state[] = {0.6763387842638972, -0.22673528490867753};
     static const network network = {"impact-oscillator",
                                     "d=0.777563722133114 omega=0.6654696533924318 r=0.876673 c=0 sides=both",

@@ -4,6 +4,7 @@
 #include "command.h"
 
 #include "check.h"
+#include "json.h"
 
 static const char valve[] = "title: valve\n"
                             "model:\n"
@@ -285,6 +286,30 @@ static void files_tell_the_model(void **state) {
     saltus_scene_clear(&scene);
 }
 
+/* YAML writes numbers in more ways than JSON: what is told is JSON, and leads back to the same scene. */
+static void all_numbers_are_told_as_json(void **state) {
+    fixture *f = *state;
+    FILE *file = fopen(path_in(f, "numbers.yaml"), "w");
+    assert_non_null(file);
+    fputs("model:\n"
+          "  parameters: {a: 1.e-1, b: 007, c: -.5, e: 1e+2, g: +3, h: 0.25E-1, k: 0, omega: 1.2}\n"
+          "  motion: {x: -1e-3*(a + b + c + e + g + h + k)*x' - x + .5*cos(omega*t)}\n"
+          "  forcing: omega\n"
+          "stop: {coordinate: x, d: 0.3, r: .7, sides: upper}\n",
+          file);
+    fclose(file);
+    char *text = told(f, "classify numbers.yaml --json");
+    json_free(json_read(text));
+    file = fopen(path_in(f, "numbers.json"), "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+    free(text);
+    text = told(f, "orbit numbers.yaml --from numbers.json --periods 1");
+    assert_non_null(strstr(text, "a = 0.1, b = 7, c = -0.5, e = 100, g = 3, h = 0.025, k = 0"));
+    free(text);
+}
+
 /* Names from a scene are used everywhere: in --set, columns of tables, axes, quantities of spectra, --json;
  * the numbers are those of the state's entries. */
 static void names_are_those_of_the_text(void **state) {
@@ -481,6 +506,7 @@ int main(void) {
         cmocka_unit_test(stops_and_starts_follow_parameters),
         cmocka_unit_test(a_constant_part_shifts_the_stop),
         cmocka_unit_test(a_relief_valve),
+        cmocka_unit_test_setup_teardown(all_numbers_are_told_as_json, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(names_are_those_of_the_text, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(faults_end_a_motion, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(models_stand_in_files, open_fixture, close_fixture),

@@ -26,10 +26,12 @@ int saltus_special_insert(saltus_special found, saltus_special *specials, int co
  * only what is `wanted` is searched: targets, with their kinds. `hopf` (may be NULL): found by
  * saltus_special_hopf. `specials` has room for wanted_count + 9; `scratch` is overwritten.
  * *hidden: just before a crossing of curves the orbits of this one were not reached, so that others may be
- * missing. */
+ * missing. *lost: kind of a special point that lies on the step by its test and was not reached; REGULAR:
+ * none. */
 int saltus_special_find(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                         bool fresh, const saltus_special *hopf, const saltus_special *wanted,
-                        int wanted_count, saltus_special *specials, bool *hidden, saltus_solution *scratch);
+                        int wanted_count, saltus_special *specials, bool *hidden, saltus_point_kind *lost,
+                        saltus_solution *scratch);
 /* The place where cycles seem to shrink to an equilibrium; false: there is none. */
 bool saltus_special_hopf(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                          saltus_special *special, saltus_solution *scratch);

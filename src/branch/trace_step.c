@@ -153,19 +153,21 @@ static void give_branching(saltus_trace *t, const saltus_solution *at, saltus_no
         add_starts(t, at, what.kind, beyond);
 }
 
-/* Give out one special point of the step from `here` to `next`. */
-static void give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special) {
-    const bool is_one = visit_special(t, hopf, special);
+/* Give out one special point of the step from `here` to `next`. False if the curve is not reached there. */
+static bool give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special) {
+    const bool shrinks = special->kind == SALTUS_POINT_HB;
+    if (!visit_special(t, hopf, special))
+        return shrinks || saltus_solution_visit(&t->orbits, t->here, special->ahead, t->trial);
     /* Where nothing is lost at the end of the range, as where r = 1, pairs come to the circle but do not
      * cross it: rounding decides on which side they are. */
     const double place = t->trial->parameter[0];
     const bool at_border = fmin(fabs(place - t->range[0]), fabs(place - t->range[1])) < saltus_at_border;
-    if (!is_one || (special->kind == SALTUS_POINT_NS && at_border) || is_start(t, special))
-        return;
+    if ((special->kind == SALTUS_POINT_NS && at_border) || is_start(t, special))
+        return true;
     if (t->trail->options->locus && t->trail->options->locus == special->kind &&
         (!special->end || special->kind == SALTUS_POINT_HB)) {
         find(t, t->trial, NULL);
-        return;
+        return true;
     }
     const saltus_notice what = {.kind = special->kind,
                                 .ahead = special->ahead,
@@ -176,7 +178,7 @@ static void give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_
     saltus_branch_point *last = saltus_trail_last(t->trail);
     if (last && is_pitchfork(last, special, t->trail->arclength + special->ahead)) {
         if (special->kind == SALTUS_POINT_LP)
-            return;
+            return true;
         saltus_trail_drop_last(t->trail);
     }
     if (special->kind == SALTUS_POINT_REGULAR)
@@ -185,6 +187,7 @@ static void give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_
         give_shared_end(t, t->trial, what);
     else
         give_branching(t, t->trial, what, NULL);
+    return true;
 }
 
 /* How close the multipliers come to the unit circle, in the logarithm of their modulus. */
@@ -224,6 +227,18 @@ static bool seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const salt
     return again;
 }
 
+/* Tell at `next` that the step has a special point which was not reached, so that it is not passed over. */
+static void tell_lost(saltus_trace *t, saltus_point_kind kind) {
+    char reason[SALTUS_REASON_MAX];
+    const char *key = t->trail->options->key[0];
+    snprintf(reason, sizeof reason,
+             "between %s = %.12g and %.12g is a %s by its test, but no orbit is found there", key,
+             t->here->value, t->next->value, saltus_point_word(kind));
+    saltus_trace_give(t, t->next,
+                      (saltus_notice){.ahead = t->next->at.ahead, .accuracy = NAN, .reason = reason});
+    saltus_trail_shown(t->trail, t->next->at.ahead);
+}
+
 /* Give out all special points of the step from `here` to `next` that lie more than `first` ahead, in order;
  * or, if it `may_repeat`, return false: the step is to be repeated instead, with a shorter one. `hopf` may be
  * NULL. */
@@ -231,6 +246,7 @@ static bool give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, double
     const saltus_branch_options *options = t->trail->options;
     saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 10];
     saltus_special wanted[SALTUS_BRANCH_VALUES_MAX + 1];
+    saltus_point_kind lost;
     bool hidden;
     int asked = 0;
     for (; asked < options->value_count; asked++)
@@ -240,12 +256,16 @@ static bool give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, double
         wanted[asked++] = (saltus_special){.test = SALTUS_TEST_VALUE, .target = t->first_value};
     const int count = saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
                                           hopf && hopf->found ? &hopf->special : NULL, wanted, asked,
-                                          specials, &hidden, t->trial);
-    if (may_repeat && seek_leap(t, hopf, specials, count, hidden))
+                                          specials, &hidden, &lost, t->trial);
+    if (may_repeat && seek_leap(t, hopf, specials, count, hidden || lost))
         return false;
     for (int k = 0; k < count && t->trail->following; k++)
-        if (specials[k].ahead > first)
-            give_special(t, hopf, &specials[k]);
+        if (specials[k].ahead > first) {
+            const saltus_point_kind kind = specials[k].kind;
+            lost = give_special(t, hopf, &specials[k]) ? lost : kind;
+        }
+    if (lost && t->trail->following)
+        tell_lost(t, lost);
     return true;
 }
 

@@ -116,8 +116,6 @@ void saltus_write_branch_text(FILE *out, const saltus_branch_file *file) {
     put_line(out, &line);
     for (int row = 0; row < file->point_count; row++) {
         const saltus_branch_point *point = &file->points[row];
-        const bool told = point->trivial_multiplier != 0 && point->reason[0]; /* its returns to the section
-                                                                                 change */
         if (row == 0 || point->branch != point[-1].branch) {
             fprintf(out, "branch %d, ", point->branch);
             if (point->parent >= 0)
@@ -131,8 +129,9 @@ void saltus_write_branch_text(FILE *out, const saltus_branch_file *file) {
             else
                 fprintf(out, ": %s, %s\n", point->label, stability(point));
         }
-        /* All special points; on a locus only those of another kind than the locus. */
-        if (told || (point->kind != SALTUS_POINT_REGULAR && point->kind != point->locus))
+        /* All special points, on a locus only those of another kind than the locus, and regular ones with a
+         * remark. */
+        if (point->kind == SALTUS_POINT_REGULAR ? point->reason[0] : point->kind != point->locus)
             put_point(out, file, row);
     }
 }

@@ -151,21 +151,39 @@ static saltus_status check_commas(const saltus_source *source, const saltus_node
     return status;
 }
 
-/* Write a value as JSON after what is `before` it, with its key if it has one: numbers as they are,
+/* Whether a text is a number as JSON writes it (RFC 8259, section 6): YAML allows others, such as 1.e-6. */
+static bool is_json_number(const char *text) {
+    static const char digits[] = "0123456789";
+    text += *text == '-';
+    size_t count = strspn(text, digits);
+    bool good = count > 0 && (count == 1 || *text != '0');
+    text += count;
+    if (*text == '.') {
+        count = strspn(++text, digits);
+        good = good && count > 0;
+        text += count;
+    }
+    if (*text == 'e' || *text == 'E') {
+        text++;
+        text += *text == '+' || *text == '-';
+        count = strspn(text, digits);
+        good = good && count > 0;
+        text += count;
+    }
+    return good && !*text;
+}
+
+/* Write a value as JSON after what is `before` it, with its key if it has one: JSON's numbers as they are,
  * everything else in quotation marks. */
 static void put_json(FILE *out, const char *before, const saltus_node *node) {
     const char *ends = node->kind == SALTUS_NODE_LIST ? "[]" : "{}", *comma = "";
-    double value;
     fputs(before, out);
     if (node->key) {
         saltus_put_string(out, node->key);
         fputs(": ", out);
     }
     if (node->kind == SALTUS_NODE_SCALAR) {
-        bool number = !node->quoted && strspn(node->text, "0123456789.eE-") == strlen(node->text) &&
-                      (node->text[0] == '-' || (node->text[0] >= '0' && node->text[0] <= '9')) &&
-                      !saltus_read_number(node->text, &value);
-        if (number)
+        if (!node->quoted && is_json_number(node->text))
             fputs(node->text, out);
         else
             saltus_put_string(out, node->text);
