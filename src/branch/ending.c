@@ -108,14 +108,10 @@ static passed_rest cycle_passes(saltus_orbits *o, const saltus_solution *s) {
     return passed;
 }
 
-static double period_of(const saltus_solution *s) {
-    return 2 * M_PI * s->sequence.periods / s->sequence.omega;
-}
-
 /* The derivative of a cycle's parameter, and of its period, along the curve. */
 static double slope(const saltus_orbits *o, const saltus_solution *s, double *stretching) {
     const int period = s->at.unknowns - 2;
-    *stretching = period_of(s) * s->at.tangent[period] * o->shooting->scale[period];
+    *stretching = saltus_solution_period(s) * s->at.tangent[period] * o->shooting->scale[period];
     return saltus_solution_heading(s) / *stretching;
 }
 
@@ -143,7 +139,7 @@ static homoclinic seek_homoclinic(saltus_orbits *o, const saltus_solution *at, c
     passed_rest before = {.found = false};
     for (int k = 0; k < halvings && !before.found; k++, lead *= 0.5) {
         const bool there = saltus_solution_visit(o, at, -lead / stretching, back);
-        shorter = there ? period_of(at) - period_of(back) : 0;
+        shorter = there ? saltus_solution_period(at) - saltus_solution_period(back) : 0;
         if (shorter > 0.5 * lead && shorter < 2 * lead)
             before = cycle_passes(o, back);
     }
@@ -205,18 +201,18 @@ bool saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *at, bool 
         snprintf(reason, SALTUS_REASON_MAX,
                  "homoclinic%s: the period grows without bound, here %.6g at a distance of %.2g from a "
                  "saddle%s (%.60s; exponents %.4g, %.4g), at %.31s = %.15g +- %.1g",
-                 passages, period_of(at), passed.distance, passed.contacts ? " on a stop" : "", place,
-                 creal(passed.growing), creal(passed.decaying), key, o->origin + unit * limit.parameter,
-                 unit * limit.accuracy);
+                 passages, saltus_solution_period(at), passed.distance, passed.contacts ? " on a stop" : "",
+                 place, creal(passed.growing), creal(passed.decaying), key,
+                 o->origin + unit * limit.parameter, unit * limit.accuracy);
     else if (meets)
         snprintf(reason, SALTUS_REASON_MAX,
                  "the parameter stands still while the period changes, here %.6g at a distance of %.2g from "
                  "a saddle",
-                 period_of(at), passed.distance);
+                 saltus_solution_period(at), passed.distance);
     else
         snprintf(reason, SALTUS_REASON_MAX,
                  "the parameter stands still while the period changes, here %.6g; no saddle is near",
-                 period_of(at));
+                 saltus_solution_period(at));
     return true;
 }
 
@@ -262,8 +258,7 @@ bool saltus_cycle_tell_birth(saltus_orbits *o, const saltus_solution *here, cons
     const double little = 1e-3, alike = 0.1, longer = 0.3;
     if (!(next->sequence.omega > 0) || !(here->sequence.omega > 0))
         return false;
-    const double period = period_of(next),
-                 grown = log(period * here->sequence.omega / (2 * M_PI * here->sequence.periods)),
+    const double period = saltus_solution_period(next), grown = log(period / saltus_solution_period(here)),
                  way = next->parameter[0] - here->parameter[0],
                  left = way * exp(-2 * grown) / -expm1(-2 * grown);
     /* Test only now and then: whenever the period has grown by a certain factor. */
@@ -284,7 +279,7 @@ bool saltus_cycle_tell_birth(saltus_orbits *o, const saltus_solution *here, cons
 void saltus_cycle_tell_shrinking(saltus_orbits *o, const saltus_solution *at, char *reason) {
     const passed_rest passed = cycle_passes(o, at);
     int length = snprintf(reason, SALTUS_REASON_MAX, "the orbit shrinks to an equilibrium: period %.9g",
-                          period_of(at));
+                          saltus_solution_period(at));
     if (passed.found)
         snprintf(reason + length, SALTUS_REASON_MAX - (size_t)length, ", distance %.2g", passed.distance);
 }

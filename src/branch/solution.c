@@ -186,8 +186,12 @@ void saltus_orbits_reshape(saltus_orbits *o, const saltus_solution *s) {
     saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &s->sequence, NULL));
 }
 
+double saltus_solution_period(const saltus_solution *s) {
+    return 2 * M_PI * s->sequence.periods / s->sequence.omega;
+}
+
 double saltus_solution_way(const saltus_solution *s) {
-    return s->speed * s->sequence.speed * 2 * M_PI * s->sequence.periods / s->sequence.omega;
+    return s->speed * s->sequence.speed * saltus_solution_period(s);
 }
 
 bool saltus_solution_rests(const saltus_solution *s, const saltus_solution *near) {

@@ -102,8 +102,9 @@ saltus_status saltus_solution_restore(saltus_orbits *orbits, const saltus_sequen
                                       saltus_solution *out, saltus_message *message);
 /* The shooting takes on the sequence of a solution again, after attempts with others. */
 void saltus_orbits_reshape(saltus_orbits *orbits, const saltus_solution *solution);
-/* For an orbit whose period is an unknown: the scaled distance that it would move in its period at the speed
- * at its base. */
+/* For an orbit whose period is an unknown: that period; and the scaled distance that it would move in it at
+ * the speed at its base. */
+double saltus_solution_period(const saltus_solution *solution);
 double saltus_solution_way(const saltus_solution *solution);
 /* Whether an orbit whose period is an unknown is really an equilibrium, which closes after any time: it
  * hardly moves, absolutely or compared with an orbit `near` it (may be NULL). */

@@ -296,14 +296,14 @@ static bool leads_on(saltus_flow *flow, int lane, double planned) {
             self->system->spec.model->forcing >= 0 ? "a forcing period" : "a unit of time",
             self->system->period, most, self->cycle_steps, planned, gone,
             saltus_system_cause(self->system, cause));
-    else if (!moves && w->lane->left[lane] > 0 && self->system->guarded && !defined_since(flow, lane, 0))
+    else if (moves || !(w->lane->left[lane] > 0))
+        return true;
+    else if (self->system->guarded && !defined_since(flow, lane, 0))
         fail_undefined(flow, lane, 0);
-    else if (!moves && w->lane->left[lane] > 0)
+    else
         saltus_fail(&self->why, SALTUS_STALLED,
                     "the step falls to %.3g at %.15g periods: the motion grows without bound, or %s", planned,
                     saltus_time_periods(self->now), saltus_system_cause(self->system, cause));
-    else
-        return true;
     give_up(flow, lane);
     return false;
 }
