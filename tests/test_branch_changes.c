@@ -324,6 +324,7 @@ static saltus_branch_point splitting(const saltus_spec *spec, const double *stat
  * place is the same from both sides, and whatever the steps, all the same. */
 static void a_contact_splits_at_one_place(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_scene pipe;
     saltus_message message = {.text = ""};
     check_ok(saltus_scene_load("pipe", &pipe, &message), &message);
@@ -709,6 +710,7 @@ static void halves_that_are_all_but_alike(void **unused) {
  * and not back, to where nothing rebounds. */
 static void where_hardly_anything_rebounds(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char text[] =
         "model:\n"
         "  parameters: {omega: 0.986548}\n"
