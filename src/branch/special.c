@@ -52,11 +52,10 @@ static bool is_known(const saltus_special *specials, int count, saltus_test test
 }
 
 /* Locate a special point between two places ahead of `from` by its test and insert it in order of arclength.
- * `near` and `far`: the test's values there. *lost becomes its kind if the curve could not be followed to it.
- */
+ * `near` and `far`: the test's values there. */
 static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, const double ends[2],
                double near, double far, saltus_special found, saltus_special *specials, int count,
-               saltus_point_kind *lost, saltus_solution *scratch) {
+               saltus_solution *scratch) {
     const double values[] = {near, far}, rounding = 1e-8, gap = 1e-10;
     if (!saltus_test_crosses(near, far) ||
         (found.test != SALTUS_TEST_VALUE && is_known(specials, count, found.test, ends[0], ends[1])) ||
@@ -75,10 +74,8 @@ static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solut
         /* Where there are no orbits with the value a sharp bracket only holds the gap between others. */
         const bool leaps = zero.found && found.test == SALTUS_TEST_VALUE &&
                            fabs(scratch->value - found.target) > gap * o->family.unit[0];
-        if (leaps || (!zero.found && found.kind != SALTUS_POINT_BP && found.kind != SALTUS_POINT_HB)) {
-            *lost = found.kind;
-            return count;
-        }
+        const bool singular = found.kind == SALTUS_POINT_BP || found.kind == SALTUS_POINT_HB;
+        found.lost = leaps || (!zero.found && !singular);
         if (!zero.found) /* singular: interpolated later */
             found.ahead = ends[0] + (ends[1] - ends[0]) * near / (near - far);
     }
@@ -89,11 +86,10 @@ static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solut
 
 /* The same along the whole step. */
 static int add_along(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
-                     saltus_special found, saltus_special *specials, int count, saltus_point_kind *lost,
-                     saltus_solution *scratch) {
+                     saltus_special found, saltus_special *specials, int count, saltus_solution *scratch) {
     const double ends[] = {0, to->at.ahead};
     return add(o, from, to, ends, saltus_test_value(found.test, found.target, from, from),
-               saltus_test_value(found.test, found.target, to, from), found, specials, count, lost, scratch);
+               saltus_test_value(found.test, found.target, to, from), found, specials, count, scratch);
 }
 
 /* `hidden`: bits of the tests that are not compared there. */
@@ -287,8 +283,7 @@ static bool stays_on_circle(const saltus_solution *from, const saltus_solution *
  * determinants are rounding, as far as the square root of the error of the parameter there, except that of
  * flips at a branch of twice the period: the next place is beyond it. */
 static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
-                      saltus_special *specials, bool *hidden, saltus_point_kind *lost,
-                      saltus_solution *scratch) {
+                      saltus_special *specials, bool *hidden, saltus_solution *scratch) {
     static const saltus_special kinds[] = {{.kind = SALTUS_POINT_LP, .test = SALTUS_TEST_FOLD},
                                            {.kind = SALTUS_POINT_PD, .test = SALTUS_TEST_FLIP},
                                            {.kind = SALTUS_POINT_BP, .test = SALTUS_TEST_CROSSING},
@@ -318,7 +313,7 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
                 if (isnan(places[j].value[test]) && j + 1 < compared)
                     continue;
                 count = add(o, from, to, ends, last.value[test], places[j].value[test], kinds[k], specials,
-                            count, lost, scratch);
+                            count, scratch);
                 last = places[j];
             }
             for (int j = 0; j < count && count > before; j++) {
@@ -367,19 +362,16 @@ static int end_at_equilibrium(saltus_special *specials, int count, double reach)
 bool saltus_special_hopf(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
                          saltus_special *special, saltus_solution *scratch) {
     const saltus_special wanted = {.kind = SALTUS_POINT_HB, .test = SALTUS_TEST_ONWARD};
-    saltus_point_kind lost;
-    return from->sequence.omega > 0 && add_along(o, from, to, wanted, special, 0, &lost, scratch) > 0;
+    return from->sequence.omega > 0 && add_along(o, from, to, wanted, special, 0, scratch) > 0;
 }
 
 int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
                         const saltus_special *hopf, const saltus_special *wanted, int wanted_count,
-                        saltus_special *specials, bool *hidden, saltus_point_kind *lost,
-                        saltus_solution *scratch) {
+                        saltus_special *specials, bool *hidden, saltus_solution *scratch) {
     *hidden = false;
-    *lost = SALTUS_POINT_REGULAR;
-    int count = add_tested(o, from, to, fresh, specials, hidden, lost, scratch);
+    int count = add_tested(o, from, to, fresh, specials, hidden, scratch);
     for (int k = 0; k < wanted_count; k++)
-        count = add_along(o, from, to, wanted[k], specials, count, lost, scratch);
+        count = add_along(o, from, to, wanted[k], specials, count, scratch);
     if (hopf && hopf->ahead <= to->at.ahead)
         count = saltus_special_insert(*hopf, specials, count);
     return end_at_equilibrium(specials, count, to->at.ahead);
@@ -695,6 +687,8 @@ bool saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double 
     if (crossing.found)
         special->accuracy = crossing.accuracy + doubt_of(o, by, from, special->ahead, reach, at->value);
     else if (!saltus_solution_visit(o, from, special->ahead, at))
+        special->lost = true;
+    if (special->lost)
         return false;
     saltus_solution_survey(o, at, NULL);
     special->value = at->value;

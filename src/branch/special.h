@@ -15,6 +15,7 @@ typedef struct saltus_special {
     const char *end; /* why the branch ends here; NULL: it does not */
     double value; /* of the parameter; more accurate than the solution's where the equations are singular */
     bool sharp;   /* singular equations: the place was interpolated between points on both sides */
+    bool lost;    /* its test changes sign, but no orbit is found there: `ahead` is only near it */
 } saltus_special;
 
 /* Whether a test has changed its sign. */
@@ -26,17 +27,15 @@ int saltus_special_insert(saltus_special found, saltus_special *specials, int co
  * only what is `wanted` is searched: targets, with their kinds. `hopf` (may be NULL): found by
  * saltus_special_hopf. `specials` has room for wanted_count + 9; `scratch` is overwritten.
  * *hidden: just before a crossing of curves the orbits of this one were not reached, so that others may be
- * missing. *lost: kind of a special point that lies on the step by its test and was not reached; REGULAR:
- * none. */
+ * missing. */
 int saltus_special_find(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                         bool fresh, const saltus_special *hopf, const saltus_special *wanted,
-                        int wanted_count, saltus_special *specials, bool *hidden, saltus_point_kind *lost,
-                        saltus_solution *scratch);
+                        int wanted_count, saltus_special *specials, bool *hidden, saltus_solution *scratch);
 /* The place where cycles seem to shrink to an equilibrium; false: there is none. */
 bool saltus_special_hopf(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                          saltus_special *special, saltus_solution *scratch);
 /* Judge such a place: `at` becomes the orbit there, surveyed, and kind, value, accuracy and end are set.
- * False if it is no special point after all. `reach`: length of the step from `from`. */
+ * False if it is no special point after all, or is lost. `reach`: length of the step from `from`. */
 bool saltus_special_visit(saltus_orbits *orbits, const saltus_solution *from, double reach,
                           saltus_special *special, saltus_solution *at);
 

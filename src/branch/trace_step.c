@@ -119,7 +119,7 @@ static bool visit_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus
     saltus_orbits *o = &t->orbits;
     bool is_one = hopf && hopf->is_one;
     if (special->kind != SALTUS_POINT_HB) {
-        is_one = saltus_special_visit(o, t->here, t->next->at.ahead, special, t->trial);
+        is_one = !special->lost && saltus_special_visit(o, t->here, t->next->at.ahead, special, t->trial);
     } else if (is_one) {
         SALTUS_SWAP(t->trial, t->other);
         const bool found = hopf->shrunk.found && saltus_cycle_shrink(o, &hopf->shrunk, t->trial);
@@ -153,21 +153,19 @@ static void give_branching(saltus_trace *t, const saltus_solution *at, saltus_no
         add_starts(t, at, what.kind, beyond);
 }
 
-/* Give out one special point of the step from `here` to `next`. False if the curve is not reached there. */
-static bool give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special) {
-    const bool shrinks = special->kind == SALTUS_POINT_HB;
-    if (!visit_special(t, hopf, special))
-        return shrinks || saltus_solution_visit(&t->orbits, t->here, special->ahead, t->trial);
+/* Give out one special point of the step from `here` to `next`. */
+static void give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special) {
+    const bool is_one = visit_special(t, hopf, special);
     /* Where nothing is lost at the end of the range, as where r = 1, pairs come to the circle but do not
      * cross it: rounding decides on which side they are. */
     const double place = t->trial->parameter[0];
     const bool at_border = fmin(fabs(place - t->range[0]), fabs(place - t->range[1])) < saltus_at_border;
-    if ((special->kind == SALTUS_POINT_NS && at_border) || is_start(t, special))
-        return true;
+    if (!is_one || (special->kind == SALTUS_POINT_NS && at_border) || is_start(t, special))
+        return;
     if (t->trail->options->locus && t->trail->options->locus == special->kind &&
         (!special->end || special->kind == SALTUS_POINT_HB)) {
         find(t, t->trial, NULL);
-        return true;
+        return;
     }
     const saltus_notice what = {.kind = special->kind,
                                 .ahead = special->ahead,
@@ -178,7 +176,7 @@ static bool give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_
     saltus_branch_point *last = saltus_trail_last(t->trail);
     if (last && is_pitchfork(last, special, t->trail->arclength + special->ahead)) {
         if (special->kind == SALTUS_POINT_LP)
-            return true;
+            return;
         saltus_trail_drop_last(t->trail);
     }
     if (special->kind == SALTUS_POINT_REGULAR)
@@ -187,7 +185,6 @@ static bool give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_
         give_shared_end(t, t->trial, what);
     else
         give_branching(t, t->trial, what, NULL);
-    return true;
 }
 
 /* How close the multipliers come to the unit circle, in the logarithm of their modulus. */
@@ -211,6 +208,8 @@ static bool seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const salt
                         t->next->at.ahead - last->ahead < close;
     /* Nor does a row belong where rounding decides on which side of the circle a multiplier is. */
     const bool marginal = off_circle(&t->next->survey) < rounding && off_circle(&t->here->survey) > clear;
+    for (int k = 0; k < count; k++)
+        hidden = hidden || specials[k].lost;
     bool again =
         ((hidden || at_end) && t->next->at.ahead > short_enough) || (marginal && t->next->at.ahead > least);
     for (int k = 0; k < count && !again && t->next->at.ahead > least; k++) {
@@ -218,7 +217,7 @@ static bool seek_leap(saltus_trace *t, const saltus_hopf_ahead *hopf, const salt
         bool is_one = true;
         if (special.kind == SALTUS_POINT_BP)
             is_one = visit_special(t, hopf, &special);
-        else if (special.kind != SALTUS_POINT_HB)
+        else if (special.kind != SALTUS_POINT_HB && !special.lost)
             is_one = saltus_solution_visit(&t->orbits, t->here, special.ahead, t->trial);
         again = !is_one || (special.kind == SALTUS_POINT_BP && !isfinite(special.accuracy));
     }
@@ -246,7 +245,7 @@ static bool give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, double
     const saltus_branch_options *options = t->trail->options;
     saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 10];
     saltus_special wanted[SALTUS_BRANCH_VALUES_MAX + 1];
-    saltus_point_kind lost;
+    saltus_point_kind lost = SALTUS_POINT_REGULAR;
     bool hidden;
     int asked = 0;
     for (; asked < options->value_count; asked++)
@@ -256,13 +255,13 @@ static bool give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, double
         wanted[asked++] = (saltus_special){.test = SALTUS_TEST_VALUE, .target = t->first_value};
     const int count = saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
                                           hopf && hopf->found ? &hopf->special : NULL, wanted, asked,
-                                          specials, &hidden, &lost, t->trial);
-    if (may_repeat && seek_leap(t, hopf, specials, count, hidden || lost))
+                                          specials, &hidden, t->trial);
+    if (may_repeat && seek_leap(t, hopf, specials, count, hidden))
         return false;
     for (int k = 0; k < count && t->trail->following; k++)
         if (specials[k].ahead > first) {
-            const saltus_point_kind kind = specials[k].kind;
-            lost = give_special(t, hopf, &specials[k]) ? lost : kind;
+            give_special(t, hopf, &specials[k]);
+            lost = specials[k].lost ? specials[k].kind : lost;
         }
     if (lost && t->trail->following)
         tell_lost(t, lost);
