@@ -714,15 +714,30 @@ static void a_killed_run_leaves_no_part(void **state) {
     if (nameless < 0)
         skip();
     close(nameless);
-    for (int k = 0; k < 12; k++) {
-        pid_t child = start(f, "simulate impact-oscillator --periods 300 --samples 1000 -o x.csv --force",
-                            plainly, SIGTERM);
-        pause_ms(20 * k);
+    const char *line = "simulate impact-oscillator --periods 300 --samples 1000 -o x.csv --force";
+    assert_int_equal(end_of(start(f, line, plainly, SIGTERM)), 0);
+    size_t length, other;
+    char *whole = read_all(path_in(f, "x.csv", path), &length);
+    for (int k = 0; k < 24; k++) {
+        if (k % 2 == 0)
+            remove(path);
+        const int before = named(f->folder, ".part");
+        pid_t child = start(f, line, plainly, SIGTERM);
+        pause_ms(20 * (k / 2));
         kill(child, SIGKILL);
         end_of(child);
-        assert_int_equal(named(f->folder, ".part"), 0);
+        /* What is replaced is whole before and after; only its successor may have had a name just then. */
+        assert_in_range(named(f->folder, ".part"), before, before + k % 2);
+        if (k % 2 == 1 || is_there(f, "x.csv")) {
+            char *bytes = read_all(path, &other);
+            assert_int_equal(other, length);
+            assert_memory_equal(bytes, whole, length);
+            free(bytes);
+        } else
+            assert_int_equal(end_of(start(f, line, plainly, SIGTERM)), 0);
     }
-    remove(path_in(f, "x.csv", path));
+    free(whole);
+    remove(path);
     assert_int_equal(end_of(start(f, "simulate impact-oscillator --periods 3 -o x.csv", plainly, SIGTERM)),
                      0);
     struct stat facts;

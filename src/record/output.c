@@ -123,16 +123,19 @@ saltus_status saltus_output_close(saltus_output *output, saltus_status status, s
     errno = 0;
     sound = fflush(output->file) == 0 && sound;
     if (output->nameless && status == SALTUS_OK && sound) {
-        /* Named apart for no longer than it takes to move it, so that a kill leaves nothing behind. */
-        char *name = malloc(room_of(output));
-        sound = name && take_name(output, name) == 0;
-        if (sound && rename(name, output->path) != 0) {
-            const int reason = errno;
-            unlink(name);
-            errno = reason;
-            sound = false;
+        /* A new file is named at once. To take the place of another it needs a name of its own first: the
+         * only moment in which a kill leaves that behind. */
+        if (linkat(AT_FDCWD, output->temporary, AT_FDCWD, output->path, AT_SYMLINK_FOLLOW) != 0) {
+            char *name = malloc(room_of(output));
+            sound = name && take_name(output, name) == 0;
+            if (sound && rename(name, output->path) != 0) {
+                const int reason = errno;
+                unlink(name);
+                errno = reason;
+                sound = false;
+            }
+            free(name);
         }
-        free(name);
         free(output->temporary);
         output->temporary = NULL;
     }
