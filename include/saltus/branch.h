@@ -105,7 +105,8 @@ typedef struct saltus_branch_point {
     double accuracy; /* error bound of value[0] at special points and where returns to the section appear or
                         vanish: from the last bracket, from a flow of ten times the tolerance, and from
                         rounding. At points of codimension two, where it is the same share of its range for
-                        value[1], from how far off a function shows its slope. NAN or 0 elsewhere */
+                        value[1], instead of a bracket from how far off a function shows its slope. NAN or 0
+                        elsewhere */
     double grazing_time;  /* BE: 0. GR: when the orbit touches the stop, in periods from phase 0, in [0,
                              periods); of several touches the worst. NAN elsewhere, and where only the change
                              of label is known */

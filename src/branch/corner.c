@@ -26,6 +26,15 @@ static bool is_own(const saltus_extended *x, const saltus_solution *s, const sal
     return touch || image || (breach->mark == x->mark && breach->kind == SALTUS_BREACH_SPEED);
 }
 
+/* The marks at which the orbit has that impact and its image; returns how many. */
+static int own_marks(const saltus_extended *x, const saltus_solution *s, int *marks) {
+    int count = 0;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
+            marks[count++] = s->breaches[k].mark;
+    return count;
+}
+
 static const saltus_breach *worst_of(const saltus_extended *x, const saltus_solution *s) {
     const saltus_breach *worst = NULL;
     for (int k = 0; k < s->breach_count; k++)
@@ -254,10 +263,10 @@ bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b
 
 saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s) {
     bool gone[SALTUS_MARKS_MAX] = {false};
+    int own[SALTUS_MARKS_MAX];
     saltus_sequence less;
-    for (int k = 0; k < s->breach_count; k++)
-        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
-            gone[s->breaches[k].mark] = true;
+    for (int k = own_marks(x, s, own) - 1; k >= 0; k--)
+        gone[own[k]] = true;
     saltus_sequence_without(&s->sequence, gone, &less, NULL);
     return less;
 }
@@ -268,30 +277,30 @@ static void measure_halves(saltus_orbits *o, saltus_shooting *shooting, saltus_l
     const saltus_equations *e = &shooting->equations;
     const int n = o->n, marks = shooting->sequence.count / 2, size = n + marks, m = e->unknowns,
               row = n - saltus_shooting_closing_row(shooting), period = shooting->count - 1;
-    bool room = true;
+    double *a = calloc((size_t)((size + 1) * (size + 1)), sizeof *a);
+    saltus_dense_lu lu = {.n = 0};
+    bool room = a;
     for (int k = 0; k < 2 && room; k++) {
         const double sign = k ? -1 : 1;
         /* If the period is an unknown, it and the equation for it are the last, but keep the orbit so. */
         const bool free_period = k == 0 && shooting->sequence.omega > 0;
         const int order = size + free_period;
-        saltus_dense_lu lu = {.n = 0};
-        double *a = calloc((size_t)(order * order), sizeof *a);
-        room = a && saltus_dense_lu_open(&lu, order);
-        for (int i = 0; i < order && room; i++) {
+        for (int i = 0; i < order; i++) {
             const double *from = e->jacobian + (i < n ? row + i : i < size ? n + i : period) * m;
             for (int j = 0; j < size; j++)
                 a[i * order + j] = j < n ? from[j] - sign * from[n + j] : from[n + j] + sign * from[size + j];
             if (free_period)
                 a[i * order + size] = from[period];
         }
+        room = saltus_dense_lu_open(&lu, order);
         if (room) {
             saltus_dense_factor(&lu, a);
             tests[k].kind = k ? SALTUS_POINT_GR_BP : SALTUS_POINT_GR_LP;
             tests[k].value = (saltus_scaled){lu.sign, lu.log_modulus};
         }
         saltus_dense_lu_close(&lu);
-        free(a);
     }
+    free(a);
     o->starved |= !room;
 }
 
@@ -302,7 +311,7 @@ static void measure_mirrored(saltus_extended *x, const saltus_solution *s, bool 
     const double together = 1e-4;
     saltus_orbits *o = &x->orbits;
     const saltus_sequence old = without ? saltus_corner_without(x, s) : s->sequence;
-    int order[SALTUS_MARKS_MAX];
+    int order[SALTUS_MARKS_MAX], own[SALTUS_MARKS_MAX];
     saltus_sequence halves;
     saltus_shooting *shooting = NULL;
     saltus_sequence_turn(&old, saltus_sequence_amid_halves(&old), 1, &halves, order);
@@ -311,10 +320,9 @@ static void measure_mirrored(saltus_extended *x, const saltus_solution *s, bool 
     if (halves.count > 0 && !(saltus_sequence_repeats(&halves, 2, true) < together))
         return;
     const saltus_status status = saltus_orbits_evaluate(o, s, &halves, &shooting, NULL);
-    for (int k = 0; k < s->breach_count && status == SALTUS_OK && !without; k++)
+    for (int k = without || status != SALTUS_OK ? -1 : own_marks(x, s, own) - 1; k >= 0; k--)
         for (int j = 0; j < halves.count; j++)
-            if (s->breaches[k].kind == SALTUS_BREACH_SPEED && order[j] == s->breaches[k].mark &&
-                is_own(x, s, &s->breaches[k]))
+            if (order[j] == own[k])
                 saltus_corner_still(o, shooting, j);
     if (saltus_orbits_noted(o, status) == SALTUS_OK)
         measure_halves(o, shooting, tests);
@@ -329,9 +337,9 @@ static void measure_planar(const saltus_extended *x, const saltus_solution *s, c
                            saltus_locus_test tests[of_orbit]) {
     const double nothing = 1e-11;
     double multiplier = without->count == 1 ? without->re[0] : NAN;
-    for (int k = 0; k < s->breach_count; k++)
-        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
-            multiplier *= pow(saltus_system_rebound(x->orbits.system, s->breaches[k].face, 0).r, 2);
+    int own[SALTUS_MARKS_MAX];
+    for (int k = own_marks(x, s, own) - 1; k >= 0; k--)
+        multiplier *= pow(saltus_system_rebound(x->orbits.system, s->sequence.mark[own[k]].face, 0).r, 2);
     for (int k = 0; k < of_orbit; k++)
         tests[k].value = (saltus_scaled){k == of_fold ? multiplier - 1 : NAN, 0};
     tests[of_fold].quiet = log(nothing);
@@ -348,9 +356,9 @@ static void measure_grazing(saltus_extended *x, const saltus_solution *s, saltus
         for (int k = 0; k < of_orbit; k++)
             tests[without][k] = (saltus_locus_test){
                 .kind = kinds[k], .value = {NAN, 0}, .without = without, .theta = k == of_pair ? NAN : 0};
-    for (int k = 0; k < s->breach_count; k++)
-        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && is_own(x, s, &s->breaches[k]))
-            saltus_corner_still(&x->orbits, x->orbits.shooting, s->breaches[k].mark);
+    int own[SALTUS_MARKS_MAX];
+    for (int k = own_marks(x, s, own) - 1; k >= 0; k--)
+        saltus_corner_still(&x->orbits, x->orbits.shooting, own[k]);
     const saltus_sequence less = saltus_corner_without(x, s);
     const saltus_status status = saltus_orbits_evaluate(&x->orbits, s, &less, &shooting, NULL);
     if (saltus_orbits_noted(&x->orbits, status) == SALTUS_OK)

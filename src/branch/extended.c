@@ -41,6 +41,35 @@ saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message)
     return SALTUS_OK;
 }
 
+saltus_status saltus_extended_open_other(const saltus_extended *x, saltus_extended *other) {
+    const size_t c = (size_t)x->orbits.equations->count,
+                 size = x->kind == SALTUS_POINT_GR ? 0 : (size_t)x->copies * c;
+    *other = *x;
+    other->arena = (saltus_arena){0};
+    other->lu = other->equations.lu = (saltus_dense_lu){0};
+    other->equations.self = other;
+    saltus_status status = saltus_orbits_open_other(&x->orbits, &other->orbits);
+    if (status == SALTUS_OK)
+        status = saltus_shooting_shape(other->orbits.shooting, &x->orbits.shooting->sequence, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_extended_shape(other, NULL);
+    if (status != SALTUS_OK)
+        return saltus_orbits_noted(&other->orbits, status);
+    memcpy(other->b, x->b, size * sizeof *x->b);
+    memcpy(other->c, x->c, size * sizeof *x->c);
+    memcpy(other->anchor, x->anchor, (c + 2) * sizeof *x->anchor);
+    for (int k = 0; k < 2; k++)
+        memcpy(other->folding[k], x->folding[k], c * sizeof *x->b);
+    other->folds = x->folds;
+    return SALTUS_OK;
+}
+
+void saltus_extended_close_other(saltus_extended *x, saltus_extended *other) {
+    x->orbits.starved |= other->orbits.starved;
+    saltus_extended_close(other);
+    saltus_orbits_close(&other->orbits);
+}
+
 /* A without borders, in real form, in rows of `stride` numbers: the closing rows get 1 - e^{i theta} times
  * the state at the base added. Where orbits that are their own mirror images fold, too, it is made regular
  * for those. */

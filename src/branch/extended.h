@@ -52,6 +52,11 @@ typedef struct saltus_extended {
 saltus_status saltus_extended_shape(saltus_extended *extended, saltus_message *message);
 /* Free what belongs to a sequence. */
 void saltus_extended_close(saltus_extended *extended);
+/* The same equations with the same borders, for a flow of another tolerance: what differs is the flow's
+ * error. The caller closes it in any case. Errors: SALTUS_NO_MEMORY, those of the flow. */
+saltus_status saltus_extended_open_other(const saltus_extended *extended, saltus_extended *other);
+/* Free it; lack of memory is noted in the first one's orbits. */
+void saltus_extended_close_other(saltus_extended *extended, saltus_extended *other);
 /* Choose the borders as null vectors of A at the orbit last evaluated by the shooting. Errors:
  * SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_extended_choose(saltus_extended *extended, double theta, saltus_message *message);

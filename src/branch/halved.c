@@ -124,7 +124,15 @@ static bool find_zero(shorter *s, double *doubt) {
     }
     found = found && fabs(value) < still * fabs(slope);
     if (found && doubt) {
-        *doubt = saltus_locus_doubt(test_at, s, place, &s->at, s->x.orbits.equations->count);
+        shorter other = *s;
+        other.on.orbit = (saltus_solution){.value = 0};
+        other.at = (saltus_curve_point){.unknowns = 0};
+        const bool opened = saltus_extended_open_other(&s->x, &other.x) == SALTUS_OK;
+        *doubt = saltus_locus_doubt(test_at, s, opened ? &other : NULL, place, &s->at, &other.at,
+                                    s->x.orbits.equations->count);
+        saltus_solution_clear(&other.on.orbit);
+        saltus_curve_clear(&other.at);
+        saltus_extended_close_other(&s->x, &other.x);
         found = test_at(s, place, &value);
     }
     return found;
@@ -289,7 +297,7 @@ static int lay_together(const saltus_sequence *whole, int parts, int slow, saltu
 static bool finish(saltus_extended *x, shorter *s, bool opened, double farthest, saltus_locus_point *at) {
     double doubt = NAN;
     const int c = opened ? s->x.orbits.equations->count : 0;
-    const bool found = opened && find_zero(s, &doubt) && (s->parts != 1 || isfinite(doubt)) &&
+    const bool found = opened && find_zero(s, &doubt) && (s->parts != 1 || !isnan(doubt)) &&
                        hypot(s->at.u[c] - s->u[c], s->at.u[c + 1] - s->u[c + 1]) < farthest &&
                        go_through(x, s, s->at.u, at);
     if (found)

@@ -207,8 +207,18 @@ bool saltus_locus_visit_zero(saltus_extended *x, const saltus_locus_point *here,
     double tolerance = zero->tolerance;
     search s = {.x = x, .here = here, .out = out, .corner = zero->corner, .clear = INFINITY};
     s.tolerance = tolerance;
-    if (!zero->crosses)
-        out->doubt = saltus_locus_doubt(corner_at, &s, zero->place, &out->at, x->orbits.equations->count);
+    if (!zero->crosses) {
+        saltus_extended other;
+        saltus_locus_point there = {.corner_count = 0};
+        search t = s;
+        t.x = &other;
+        t.out = &there;
+        const bool opened = saltus_extended_open_other(x, &other) == SALTUS_OK;
+        out->doubt = saltus_locus_doubt(corner_at, &s, opened ? &t : NULL, zero->place, &out->at, &there.at,
+                                        x->orbits.equations->count);
+        saltus_locus_point_clear(&there);
+        saltus_extended_close_other(x, &other);
+    }
     return (zero->crosses && visit_crossing(x, here, zero->corner, zero->place, out)) ||
            visit_sharply(x, here, zero->place, &tolerance, out);
 }

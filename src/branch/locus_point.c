@@ -214,27 +214,51 @@ bool saltus_locus_reframe(saltus_extended *x, saltus_locus_point *here, saltus_l
                                 order);
 }
 
-double saltus_locus_doubt(saltus_curve_function *function, void *context, double place,
-                          const saltus_curve_point *at, int c) {
+/* A function around a place of a curve. */
+typedef struct slope {
+    double apart;   /* as far off as this, to both sides, it is linear */
+    double zero;    /* of the line, ahead of the place */
+    double scatter; /* of the points, in the plane */
+} slope;
+
+/* The slope of a function around a place, from no closer than slope->apart on; `vanishes`: the place is its
+ * zero. False if none shows. */
+static bool find_slope(saltus_curve_function *function, void *context, double place, bool vanishes,
+                       const saltus_curve_point *at, int c, slope *found) {
     enum { places = 4 };
     static const double beside[places] = {-2, -1, 1, 2};
-    const double first = 1e-10, farthest = 1e-4, share = 0.25;
-    double doubt = NAN;
-    for (double apart = first; isnan(doubt) && apart < farthest; apart *= 4) {
-        double value[places] = {0}, scatter[2] = {0, 0};
-        bool clear = true;
+    const double farthest = 1e-4, share = 0.25;
+    bool clear = false;
+    for (double apart = found->apart; !clear && apart < farthest; apart *= 4) {
+        double value[places] = {0}, scatter[2] = {0, 0}, middle = 0;
+        clear = true;
         for (int k = 0; k < places && clear; k++) {
             clear = function(context, place + beside[k] * apart, &value[k]);
             for (int d = 0; d < 2 && clear; d++)
                 scatter[d] += (beside[k] * beside[k] > 1 ? 1 : -1) * at->u[c + d];
+            middle += vanishes ? 0 : value[k] / places;
         }
-        const double slope = 0.25 * (value[places - 1] - value[0]);
+        const double rise = 0.25 * (value[places - 1] - value[0]);
         for (int k = 0; k < places; k++)
-            clear = clear && fabs(value[k] - beside[k] * slope) < share * fabs(slope);
-        if (clear)
-            doubt = apart * hypot(at->tangent[c], at->tangent[c + 1]) + hypot(scatter[0], scatter[1]);
+            clear = clear && fabs(value[k] - middle - beside[k] * rise) < share * fabs(rise);
+        *found = (slope){apart, -apart * middle / rise, hypot(scatter[0], scatter[1])};
     }
-    return doubt;
+    return clear;
+}
+
+double saltus_locus_doubt(saltus_curve_function *function, void *context, void *other, double place,
+                          const saltus_curve_point *at, const saltus_curve_point *there, int c) {
+    /* Two flows may by chance differ by less than their errors. */
+    const double first = 1e-10, cautious = 4;
+    slope own = {.apart = first};
+    if (!find_slope(function, context, place, true, at, c, &own))
+        return NAN;
+    slope apart = own;
+    double value;
+    const bool found = other && find_slope(function, other, place, false, there, c, &apart) &&
+                       function(other, place + apart.zero, &value) && function(context, place, &value);
+    const double flows = found ? hypot(there->u[c] - at->u[c], there->u[c + 1] - at->u[c + 1]) : INFINITY;
+    return own.apart * hypot(at->tangent[c], at->tangent[c + 1]) + own.scatter + cautious * flows;
 }
 
 double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, int *parts) {

@@ -73,9 +73,11 @@ bool saltus_locus_visit(saltus_extended *extended, const saltus_locus_point *her
                         saltus_locus_point *out);
 /* The possible error, in the plane, of a zero of a function along a curve: as far beside it as values must be
  * taken to show the slope there, plus the scatter of the points, which the function leaves in `at`, c
- * unknowns before the parameters. NAN where that is far. */
-double saltus_locus_doubt(saltus_curve_function *function, void *context, double place,
-                          const saltus_curve_point *at, int c);
+ * unknowns before the parameters, plus what another flow moves the zero by: the function with the context
+ * `other` (NULL: there is none) leaves its points in `there`. NAN where the slope shows only far off,
+ * INFINITY where the other flow shows none. */
+double saltus_locus_doubt(saltus_curve_function *function, void *context, void *other, double place,
+                          const saltus_curve_point *at, const saltus_curve_point *there, int c);
 /* The least distance of an orbit from shorter ones (solution.h): for half the period; for the mirror image,
  * unless all orbits of the curve are symmetric; on curves of grazing also for other parts. `parts` (may be
  * NULL): for which. */

@@ -40,6 +40,13 @@ saltus_status saltus_orbits_open(saltus_orbits *o, saltus_message *message) {
     return status;
 }
 
+saltus_status saltus_orbits_open_other(const saltus_orbits *o, saltus_orbits *other) {
+    *other = (saltus_orbits){.family = o->family, .origin = o->origin, .options = o->options};
+    double *rtol = &other->options.flow.rtol;
+    *rtol = *rtol < 1e-4 ? 10 * *rtol : *rtol / 10;
+    return saltus_orbits_open(other, NULL);
+}
+
 void saltus_orbits_close(saltus_orbits *o) {
     saltus_shooting_free(o->shooting);
     saltus_flow_free(o->flow);

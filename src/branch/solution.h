@@ -71,6 +71,8 @@ typedef struct saltus_zero {
 
 /* Close in any case. */
 saltus_status saltus_orbits_open(saltus_orbits *orbits, saltus_message *message);
+/* The same orbits, of a flow of another tolerance: what differs is the flow's error. */
+saltus_status saltus_orbits_open_other(const saltus_orbits *orbits, saltus_orbits *other);
 void saltus_orbits_close(saltus_orbits *orbits);
 /* Note if a status says that memory was lacking, and return it. Failures of mere attempts are passed over,
  * but not this one: the run ends with the step. */

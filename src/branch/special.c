@@ -445,13 +445,12 @@ static const double cautious = 4;
 static double doubt_of(saltus_orbits *o, saltus_test test, const saltus_solution *at, double ahead,
                        double reach, double value) {
     /* Orbits of a flow of another tolerance, at a solution of the shooting's sequence. */
-    saltus_orbits other = {.family = o->family, .origin = o->origin, .options = o->options};
+    saltus_orbits other;
     saltus_solution there = {.value = 0}, scratch = {.value = 0};
     const saltus_breach touch = *saltus_solution_touch(at);
     const size_t size = (size_t)at->at.unknowns * sizeof *at->at.u;
-    double here, beyond, scatter[2], doubt = INFINITY, *rtol = &other.options.flow.rtol;
-    *rtol = *rtol < 1e-4 ? 10 * *rtol : *rtol / 10;
-    saltus_status status = saltus_orbits_open(&other, NULL);
+    double here, beyond, scatter[2], doubt = INFINITY;
+    saltus_status status = saltus_orbits_open_other(o, &other);
     if (status == SALTUS_OK)
         status = saltus_solution_place(&other, &at->sequence, at->parameter, at->state, false, &there, NULL);
     if (status == SALTUS_OK && there.at.unknowns != at->at.unknowns)

@@ -230,7 +230,7 @@ void saltus_trail_give(saltus_trail *t, const saltus_system *system, saltus_bran
     /* Values are sums of where the run began and a part of the range. */
     point->accuracy = what->accuracy + DBL_EPSILON * fmax(fabs(point->value[0]), o->high[0] - o->low[0]);
     /* These are known only from the event-driven flow, to its tolerance. */
-    if (what->kind == SALTUS_POINT_CH || what->kind == SALTUS_POINT_ST)
+    if (what->kind == SALTUS_POINT_CH || what->kind == SALTUS_POINT_CH_GR || what->kind == SALTUS_POINT_ST)
         point->accuracy += o->orbit.flow.rtol * (o->high[0] - o->low[0]);
     snprintf(point->label_after, sizeof point->label_after, "%s", what->after ? what->after : "");
     snprintf(point->reason, sizeof point->reason, "%s%s", what->reason ? what->reason : "",

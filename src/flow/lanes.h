@@ -151,9 +151,24 @@ KERNEL_INLINE void row_couple_parity(saltus_pack *out, saltus_pack *out2, const 
         row_couple_part(out, out2, coupling, in, in2, n, i, rest);
 }
 
+/* The same for any number of rows: once, as it is large. */
+static __attribute__((noinline, unused)) void row_couple_any(saltus_pack *out, saltus_pack *out2,
+                                                             const double *coupling, const saltus_pack *in,
+                                                             const saltus_pack *in2, int n) {
+    for (int parity = 0; parity < 2; parity++)
+        if (out2)
+            row_couple_parity(out, out2, coupling, in, in2, n, parity);
+        else
+            row_couple_parity(out, NULL, coupling, in, NULL, n, parity);
+}
+
 KERNEL_INLINE void row_couple_two(saltus_pack *out, saltus_pack *out2, const double *coupling,
                                   const saltus_pack *in, const saltus_pack *in2, int n, int packs) {
     (void)packs;
+    if (!__builtin_constant_p(n)) {
+        row_couple_any(out, out2, coupling, in, in2, n);
+        return;
+    }
     row_couple_parity(out, out2, coupling, in, in2, n, 0);
     row_couple_parity(out, out2, coupling, in, in2, n, 1);
 }

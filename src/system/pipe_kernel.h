@@ -16,10 +16,15 @@
 #define MODEL_NAME "pipe"
 
 /* Systems of up to this many rows have loops of their own: with the terms that most have, without and with
- * parameter columns, or with any. `model_abreast`: this many packs of tangent vectors are expanded side by
- * side. */
+ * parameter columns, or with any; fewer where hardly a processor lacks wider packs. `model_abreast`: this
+ * many packs of tangent vectors are expanded side by side. */
+#if defined __x86_64__ && SALTUS_PACK == 2
+enum { rows_wide = 8 };
+#else
+enum { rows_wide = 16 };
+#endif
 enum {
-    model_rows_common = SALTUS_WIDE        ? 16
+    model_rows_common = SALTUS_WIDE        ? rows_wide
                         : SALTUS_PACK == 4 ? 2
                                            : 4,
     model_rows_varied = SALTUS_WIDE ? 0 : 1,
