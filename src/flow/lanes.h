@@ -147,6 +147,20 @@ KERNEL_INLINE void row_couple_parity(saltus_pack *out, saltus_pack *out2, const 
     int i = parity;
     for (; i + 2 * (block - 1) < n; i += 2 * block)
         row_couple_part(out, out2, coupling, in, in2, n, i, block);
+    if (!__builtin_constant_p(count))
+        switch (count % COUPLED_ROWS) {
+        case 4:
+            row_couple_part(out, out2, coupling, in, in2, n, i, 4);
+            return;
+        case 3:
+            row_couple_part(out, out2, coupling, in, in2, n, i, 3);
+            return;
+        case 2:
+            row_couple_part(out, out2, coupling, in, in2, n, i, 2);
+            return;
+        default:
+            break;
+        }
     for (; i < n; i += 2 * rest)
         row_couple_part(out, out2, coupling, in, in2, n, i, rest);
 }
@@ -165,7 +179,7 @@ static __attribute__((noinline, unused)) void row_couple_any(saltus_pack *out, s
 KERNEL_INLINE void row_couple_two(saltus_pack *out, saltus_pack *out2, const double *coupling,
                                   const saltus_pack *in, const saltus_pack *in2, int n, int packs) {
     (void)packs;
-    if (!__builtin_constant_p(n)) {
+    if (!__builtin_constant_p(n) || n > 8) {
         row_couple_any(out, out2, coupling, in, in2, n);
         return;
     }
