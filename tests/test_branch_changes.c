@@ -603,6 +603,7 @@ static void check_joined(const branch_record *record, const char *label, double 
  * one, by whose equations it is located. */
 static void joins_are_where_the_other_branch_says(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const struct {
         const char *scene, *joining, *joined, *key;
         double low, high;
@@ -947,6 +948,7 @@ static void a_short_run_completes(void **unused) {
  * the orbits are those of the same branch, not others nearby. */
 static void a_run_on_doubled_orbits_completes(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const double places[2] = {2.2828965611920476, 2.2828964617448461};
     const double state[2] = {0.003976940941260867, 0.21619228274259325};
     saltus_branch_options options = branch_along("F", 2.2494, 2.3);
@@ -977,6 +979,7 @@ static void a_run_on_doubled_orbits_completes(void **unused) {
  * ends at the place where the chatter of the orbits of half the period begins. */
 static void chatter_joins_the_orbits_of_a_part(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const double states[2][2] = {{0.013248467639684161, -0.12223345472173995},
                                         {0.013248317026158337, -0.12223465585238509}};
     static const char *const from[] = {"F=2.2814090535458296", "F=2.281409053610069"};
@@ -1070,6 +1073,7 @@ static void a_second_chatter_completes(void **unused) {
  * circle: all the same a torus begins before each flip. */
 static void tori_between_the_grazings_of_a_run(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const saltus_point_kind kinds[] = {SALTUS_POINT_NS, SALTUS_POINT_PD, SALTUS_POINT_GR};
     saltus_branch_options options = branch_along("r", 0.8012, 0.8024);
     options.direction = 1;
@@ -1186,6 +1190,7 @@ static void nothing_is_named_within_rounding(void **unused) {
 /* Beyond a birth whose impact is soon lost by the flow a long step leaps, and there is a fold on the way. */
 static void folds_are_found_on_leaps(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_branch_options options = branch_along("omega", 0.547218, 0.702616);
     int found = 0;
     options.direction = 1;

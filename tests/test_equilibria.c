@@ -384,6 +384,7 @@ static void cycles_end_at_a_homoclinic_orbit(void **unused) {
  * and of cycles so unstable that the flow leaves them, of the equations above in reversed time. */
 static void the_law_of_the_period_tells_where_it_has_no_bound(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char mu[] = "mu: {default: 1.05}", wells[] = "x - x^3 + (mu - x^2)*x'";
     static const char hit[] = "stop: {coordinate: x, d: 1.25, r: 0.8, sides: upper}\ninitial: {x: 1}\n";
     static const struct {
@@ -631,6 +632,7 @@ static void check_hopf_curve(const branch_record *record, int a) {
  */
 static void folding_cycles_grow_from_a_generalised_hopf_point(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char *const motion[] = {"x'*(a + b*(x^2 + x'^2) - (x^2 + x'^2)^2) - x",
                                          "x'*(a + b*(x^2 + x'^2) - (x^2 + x'^2)^2) - x, y: -2*y' - 3*y + x"};
     static const double step_max[] = {0.05, 0.02, 0.01};

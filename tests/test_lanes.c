@@ -131,10 +131,11 @@ static void same_bits(void **unused) {
 static void same_bits_at_any_size(void **unused) {
     (void)unused;
     const int modes[] = {1, 2, 3, 4, 5, 6, 7, 8, modes_max};
-    const int stride = getenv("SALTUS_SANITIZED") ? 4 : 1; /* sanitizers are slow: three of them will do */
+    /* Sanitizers are slow: three sizes will do, and no square of the largest. */
+    const int slow = getenv("SALTUS_SANITIZED") != NULL, stride = slow ? 4 : 1;
     long long impacts = 0;
     for (int k = 0; k < 9; k += stride)
-        for (int way = 0; way < 3 - k % 2; way++) {
+        for (int way = 0; way < (slow && k == 8 ? 2 : 3 - k % 2); way++) {
             const int columns = way < 2 ? way : modes[k] + 1;
             saltus_flow_options options = saltus_flow_defaults();
             options.rtol = columns ? 1e-10 : 1e-7;

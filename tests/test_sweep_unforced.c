@@ -127,6 +127,7 @@ static void the_valve_is_carried_through_its_diagram(void **unused) {
 /* Published: the flutter's exponent is between 1 and 2 in chaos. */
 static void exponents_tell_chaos(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_scene scene = scene_of("flutter", "");
     saltus_sweep_options options = saltus_sweep_defaults();
     options.threads = 1;

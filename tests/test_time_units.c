@@ -139,6 +139,7 @@ static void chaotic_motions(void **unused) {
  * orbit; if that is found, chaos is not asserted. */
 static void intermittent_motions(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_spec spec = impacting(0, 1, 3.04, 0, 0, 0.8);
     saltus_classify_options options = saltus_classify_defaults();
     options.transient = 2000;
