@@ -320,7 +320,8 @@ static void measure_mirrored(saltus_extended *x, const saltus_solution *s, bool 
     if (halves.count > 0 && !(saltus_sequence_repeats(&halves, 2, true) < together))
         return;
     const saltus_status status = saltus_orbits_evaluate(o, s, &halves, &shooting, NULL);
-    for (int k = without || status != SALTUS_OK ? -1 : own_marks(x, s, own) - 1; k >= 0; k--)
+    const int count = status == SALTUS_OK && !without ? own_marks(x, s, own) : 0;
+    for (int k = 0; k < count; k++)
         for (int j = 0; j < halves.count; j++)
             if (order[j] == own[k])
                 saltus_corner_still(o, shooting, j);

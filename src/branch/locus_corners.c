@@ -101,27 +101,6 @@ static bool append_until(search *s, const sample *end, int depth) {
     return append_until(s, &between, depth + 1) && append_until(s, end, depth + 1);
 }
 
-/* Add the zeros found so far to the samples. Where a fold or flip meets grazing, a multiplier passes through
- * infinity nearby and its product with another one passes through 1. There the test for pairs changes sign as
- * at GR-NS, so it must be evaluated in between. False without memory. */
-static bool add_samples(search *s, const saltus_locus_zeros *found) {
-    const sample *old = s->samples.items;
-    search fresh = *s;
-    fresh.samples = (saltus_list){.count = 0};
-    bool room = append(&fresh, &old[0]);
-    for (int j = 1, k = 0; j < s->samples.count && room; j++) {
-        for (; k < found->count && found->zero[k].place < old[j].place && room; k++)
-            if (saltus_locus_visit_zero(s->x, s->here, &found->zero[k], s->out)) {
-                const sample own = sample_of(s->out, found->zero[k].place);
-                room = append_until(&fresh, &own, halvings);
-            }
-        room = room && append_until(&fresh, &old[j], halvings);
-    }
-    free(s->samples.items);
-    *s = fresh;
-    return room;
-}
-
 /* The tolerance of steps would be the error of the place. */
 static bool visit_sharply(saltus_extended *x, const saltus_locus_point *here, double ahead, double *tolerance,
                           saltus_locus_point *out) {
@@ -202,15 +181,22 @@ static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, i
     return found;
 }
 
+/* The point at a zero, evaluated; only at a crossing with its doubt. */
+static bool visit_zero(saltus_extended *x, const saltus_locus_point *here,
+                       const struct saltus_locus_zero *zero, saltus_locus_point *out) {
+    double tolerance = zero->tolerance;
+    return (zero->crosses && visit_crossing(x, here, zero->corner, zero->place, out)) ||
+           visit_sharply(x, here, zero->place, &tolerance, out);
+}
+
 bool saltus_locus_visit_zero(saltus_extended *x, const saltus_locus_point *here,
                              const struct saltus_locus_zero *zero, saltus_locus_point *out) {
-    double tolerance = zero->tolerance;
-    search s = {.x = x, .here = here, .out = out, .corner = zero->corner, .clear = INFINITY};
-    s.tolerance = tolerance;
     if (!zero->crosses) {
         saltus_extended other;
         saltus_locus_point there = {.corner_count = 0};
-        search t = s;
+        search s = {.x = x, .here = here, .out = out, .corner = zero->corner, .clear = INFINITY}, t;
+        s.tolerance = zero->tolerance;
+        t = s;
         t.x = &other;
         t.out = &there;
         const bool opened = saltus_extended_open_other(x, &other) == SALTUS_OK;
@@ -219,8 +205,28 @@ bool saltus_locus_visit_zero(saltus_extended *x, const saltus_locus_point *here,
         saltus_locus_point_clear(&there);
         saltus_extended_close_other(x, &other);
     }
-    return (zero->crosses && visit_crossing(x, here, zero->corner, zero->place, out)) ||
-           visit_sharply(x, here, zero->place, &tolerance, out);
+    return visit_zero(x, here, zero, out);
+}
+
+/* Add the zeros found so far to the samples. Where a fold or flip meets grazing, a multiplier passes through
+ * infinity nearby and its product with another one passes through 1. There the test for pairs changes sign as
+ * at GR-NS, so it must be evaluated in between. False without memory. */
+static bool add_samples(search *s, const saltus_locus_zeros *found) {
+    const sample *old = s->samples.items;
+    search fresh = *s;
+    fresh.samples = (saltus_list){.count = 0};
+    bool room = append(&fresh, &old[0]);
+    for (int j = 1, k = 0; j < s->samples.count && room; j++) {
+        for (; k < found->count && found->zero[k].place < old[j].place && room; k++)
+            if (visit_zero(s->x, s->here, &found->zero[k], s->out)) {
+                const sample own = sample_of(s->out, found->zero[k].place);
+                room = append_until(&fresh, &own, halvings);
+            }
+        room = room && append_until(&fresh, &old[j], halvings);
+    }
+    free(s->samples.items);
+    *s = fresh;
+    return room;
 }
 
 /* The zero of a function between two places, if there is one. */

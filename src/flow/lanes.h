@@ -165,7 +165,7 @@ KERNEL_INLINE void row_couple_parity(saltus_pack *out, saltus_pack *out2, const 
         row_couple_part(out, out2, coupling, in, in2, n, i, rest);
 }
 
-/* The same for any number of rows: once, as it is large. */
+/* Both for any number of rows: one function, as it is large. */
 static __attribute__((noinline, unused)) void row_couple_any(saltus_pack *out, saltus_pack *out2,
                                                              const double *coupling, const saltus_pack *in,
                                                              const saltus_pack *in2, int n) {
