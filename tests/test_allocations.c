@@ -164,7 +164,7 @@ static saltus_status step_maps(trial *t) {
     saltus_scene scene;
     saltus_system *system = NULL;
     saltus_flow_options options = saltus_flow_defaults();
-    double state[SALTUS_SCENE_STATE_MAX], point[8] = {0}, derivative[64];
+    double state[SALTUS_SCENE_STATE_MAX] = {0}, point[8] = {0}, derivative[64]; /* from time 0 */
     load("impact-oscillator", &scene);
     saltus_status status = open_system(&scene, &system, state, t);
     for (int kind = SALTUS_SECTION_STROBOSCOPIC; kind <= SALTUS_SECTION_TURNING; kind++) {
@@ -179,7 +179,8 @@ static saltus_status step_maps(trial *t) {
             status = saltus_map_step(map, point, NULL, &t->message);
         if (status == SALTUS_OK) {
             saltus_map_derivative(map, derivative);
-            note_reals(t, derivative, 4);
+            const size_t m = (size_t)saltus_map_dimension(map);
+            note_reals(t, derivative, m * m);
         }
         saltus_map_free(map);
     }
