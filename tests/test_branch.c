@@ -502,8 +502,10 @@ static void check_no_return(const branch_record *record, int branch) {
         }
 }
 
-/* A branch of twice the period leads from one flip to another point, where it joins. */
-static void check_doubled(const branch_record *record, const saltus_branch_point *flip, double end) {
+/* A branch of twice the period leads from one flip to another point, where it joins orbits of a `share` of
+ * the period. */
+static void check_doubled(const branch_record *record, const saltus_branch_point *flip, double end,
+                          const char *share) {
     int number = branch_from(record, flip->value[0]);
     if (number < 0)
         fail_msg("no branch leaves at the flip at %.12g", flip->value[0]);
@@ -514,7 +516,7 @@ static void check_doubled(const branch_record *record, const saltus_branch_point
     for (int i = 0; i < first->dimension; i++)
         check_near(first->state[i], flip->state[i], 1e-6);
     check_no_return(record, number);
-    check_ends(record, number, "half the period", end, 1e-9);
+    check_ends(record, number, share, end, 1e-9);
 }
 
 static void check_flips_joined(closed_example example) {
@@ -528,9 +530,9 @@ static void check_flips_joined(closed_example example) {
         flip[k] = branch_next_special(&record, 0, &from);
         assert_true(flip[k] && flip[k]->kind == SALTUS_POINT_PD);
     }
-    check_doubled(&record, flip[0], flip[1]->value[0]);
+    check_doubled(&record, flip[0], flip[1]->value[0], "half the period");
     if (branch_from(&record, flip[1]->value[0]) >= 0)
-        check_doubled(&record, flip[1], flip[0]->value[0]);
+        check_doubled(&record, flip[1], flip[0]->value[0], "half the period");
     branch_forget(&record);
 }
 
@@ -576,7 +578,7 @@ static void flip_near_grazing(void **unused) {
     branch_record record = run_closed(&o, 1, &options);
     const saltus_branch_point *flip = branch_next_special(&record, 1, &from);
     assert_true(flip && flip->kind == SALTUS_POINT_PD);
-    check_doubled(&record, flip, 0.345422885750);
+    check_doubled(&record, flip, 0.345422885750, "a quarter of the period");
     branch_forget(&record);
 }
 

@@ -679,6 +679,43 @@ static void a_branch_joined_twice_is_followed_once(void **unused) {
     branch_forget(&from);
 }
 
+/* Orbits of three and of four periods lead to one of a single period at its grazing, where the amplitude of
+ * the linear oscillator is that of the stop. From there on the orbits are those of one period, with the
+ * impact and without. */
+static void a_third_and_a_quarter_graze(void **unused) {
+    (void)unused;
+    static const struct {
+        int periods;
+        double state[2];
+        const char *share;
+    } rows[] = {{3, {0.97170329628549691, 0.08027912663758354}, "a third"},
+                {4, {0.99720648675969981, 0.07093817213263985}, "a quarter"}};
+    const double omega = 0.878, c = 0.02, grazing = hypot(1 - omega * omega, c * omega);
+    saltus_spec spec = oscillator_spec(c, 1, 1.01 * grazing, omega);
+    add_stop(&spec, 1, 0.8, SALTUS_UPPER);
+    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
+        saltus_branch_options options = branch_along("F", 0.99 * grazing, 1.02 * grazing);
+        options.switches = 1;
+        branch_record record = branch_run(&spec, rows[row].periods, rows[row].state, &options);
+        int joins = 0, ends = 0;
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            assert_true(p->impacts > 0 || p->periods == 1);
+            ends += p->kind == SALTUS_POINT_EP && p->branch >= 2 && p->periods == 1 &&
+                    p->value[0] == (p->impacts ? options.high[0] : options.low[0]);
+            if (!strstr(p->reason, "at their grazing"))
+                continue;
+            joins++;
+            assert_non_null(strstr(p->reason, rows[row].share));
+            assert_int_equal(p[-1].kind, SALTUS_POINT_GR);
+            check_near(p->value[0], grazing, 1e-12);
+        }
+        assert_int_equal(joins, 1);
+        assert_int_equal(ends, 2);
+        branch_forget(&record);
+    }
+}
+
 /* After a run of impacts the halves of orbits of twice the period are all but alike. They fold and graze as
  * others do, and end where the shorter orbits flip. */
 static void halves_that_are_all_but_alike(void **unused) {
@@ -1247,6 +1284,7 @@ int main(void) {
         cmocka_unit_test(joins_are_where_the_other_branch_says),
         cmocka_unit_test(joined_branches_are_followed),
         cmocka_unit_test(a_branch_joined_twice_is_followed_once),
+        cmocka_unit_test(a_third_and_a_quarter_graze),
         cmocka_unit_test(halves_that_are_all_but_alike),
         cmocka_unit_test(where_hardly_anything_rebounds),
         cmocka_unit_test(what_hardly_rebounds_chatters),

@@ -360,6 +360,36 @@ static void check_mirrors(const saltus_system *system, const saltus_harvest *har
     }
 }
 
+/* Just beyond grazing an orbit enlarges rounding up to a hundred thousand times. One of four periods that is
+ * found is not one of two, with an error. */
+static void orbits_beside_grazing_have_their_least_period(void **unused) {
+    (void)unused;
+    const double omega = 0.878, c = 0.02, far = 1e-4;
+    saltus_spec spec = oscillator_spec(c, 1, 1.002 * hypot(1 - omega * omega, c * omega), omega);
+    add_stop(&spec, 1, 0.8, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    saltus_harvest_options options = saltus_harvest_defaults();
+    int longest = 0;
+    options.longest = 4;
+    for (unsigned seed = 0; seed < 8; seed++) {
+        saltus_harvest harvest;
+        saltus_message message = {.text = ""};
+        options.seed = seed;
+        check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+        for (int k = 0; k < harvest.count; k++) {
+            const saltus_harvest_orbit *found = &harvest.orbits[k];
+            if (found->orbit.periods != 4)
+                continue;
+            longest++;
+            assert_true(scaled_distance(system, 1, section_point(found, 2), section_point(found, 0)) > far);
+            walks_again(system, found);
+        }
+        saltus_harvest_clear(&harvest);
+    }
+    assert_true(longest > 8);
+    saltus_system_free(system);
+}
+
 /* Between two stops. A chaotic trajectory passes orbits by chance: several scenes, until both kinds were
  * found. */
 static void mirror_images(void **unused) {
@@ -673,6 +703,7 @@ int main(void) {
         cmocka_unit_test(seeds_and_states),
         cmocka_unit_test(resting_orbits),
         cmocka_unit_test(close_orbits_stay_two),
+        cmocka_unit_test(orbits_beside_grazing_have_their_least_period),
         cmocka_unit_test(mirror_images),
         cmocka_unit_test(images_half_a_period_later),
         cmocka_unit_test(settled_motion),

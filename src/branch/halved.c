@@ -401,13 +401,13 @@ saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_l
         half.cuts = 2;
         half.cut[1] = half.base + 0.5 * half.periods;
     } else {
-        half = saltus_sequence_first_half(&half);
+        half = saltus_sequence_part(&half, 2);
     }
     if (!mirrored && half.periods % 2 == 0 && half.count % 2 == 0 &&
         saltus_solution_state_at(&x->orbits, &at->orbit, half.base + 0.5 * half.periods, state, NULL) ==
             SALTUS_OK &&
         saltus_system_distance(x->orbits.system, state, at->orbit.state) < alike) {
-        half = saltus_sequence_first_half(&half);
+        half = saltus_sequence_part(&half, 2);
         locus = SALTUS_POINT_NS;
     }
     const bool turns = locus == SALTUS_POINT_NS;

@@ -18,8 +18,9 @@
 
 /* Steps are limited in the plane of the parameters; the tangent's part in it counts as at least this. */
 static const double slowest = 0.1;
-/* The shortest step. */
-static const double stride_min = 1e-5;
+/* With shorter steps, to the shortest one, curves are followed only where no reason for their end is found:
+ * after a run of impacts they turn within the speed of the last of them. */
+static const double stride_short = 1e-5, stride_min = 1e-7;
 static const char ceases_to_complete[] =
     "chatter ceases to complete: the contact after it shrinks to nothing";
 static const char lost[] = "the equations fail at the first point";
@@ -597,8 +598,9 @@ static const char *why_it_ends(const saltus_solution *at) {
                : "the curve ends: its orbit changes its events or the curve has a corner";
 }
 
-/* End the curve, which does not go on, at `here` or at the special point just ahead. */
-static void give_end(saltus_locus *l) {
+/* End the curve, which does not go on, at the special point just ahead, or at `here`; there only if this is
+ * the `last` word. */
+static void give_end(saltus_locus *l, bool last) {
     bool ends = saltus_locus_end_contact(&l->x, &l->here, &l->trial);
     const saltus_point_kind kind =
         ends ? SALTUS_POINT_REGULAR : saltus_locus_join(&l->x, &l->here, &l->trial);
@@ -609,7 +611,7 @@ static void give_end(saltus_locus *l) {
         give_corner(l, l->here.corners[0], l->trial.at.ahead);
     else if (saltus_flat_touch(&l->x, &l->here, &l->trial))
         give(l, &l->trial, SALTUS_POINT_EP, l->trial.at.ahead, shrinks);
-    else
+    else if (last)
         give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit));
 }
 
@@ -622,14 +624,14 @@ static bool meet_halves(saltus_locus *l) {
     const saltus_point_kind kind = saltus_locus_join_halves(&l->x, &l->here, &l->trial);
     /* Beyond that place there are no orbits of twice the period. */
     const bool shorter =
-        !kind && step > stride_min &&
+        !kind && step > stride_short &&
         (l->x.kind == SALTUS_POINT_NS || saltus_locus_apart(&l->x, &l->here.orbit, NULL) > saltus_alike);
     if (kind)
         give_join(l, kind);
     else if (shorter)
         l->trail->step = step;
     else if (step != 0)
-        give_end(l);
+        give_end(l, true);
     return shorter;
 }
 
@@ -681,11 +683,12 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
     const int c = l->x.orbits.equations->count;
     const saltus_curve_bound bounds[2] = {{c, l->border[0][0], l->border[0][1]},
                                           {c + 1, l->border[1][0], l->border[1][1]}};
+    double least = l->trail->step > stride_short ? stride_short : stride_min;
     if (saltus_halved_resonates(&l->x, &l->here, &l->trial))
         give_join(l, SALTUS_POINT_GR_GR);
     for (bool located = false; !located && l->trail->following;) {
         bool found = false;
-        for (; !found && l->trail->step > stride_min; l->trail->step *= found ? 1 : 0.5) {
+        for (; !found && l->trail->step > least; l->trail->step *= found ? 1 : 0.5) {
             const saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step,
                                                            bounds, 2, &l->next.at, reached, NULL);
             found =
@@ -696,8 +699,9 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
                 !saltus_extended_strays(&l->x) && saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
         if (!found) {
-            give_end(l);
-            return;
+            give_end(l, least == stride_min);
+            least = stride_min;
+            continue;
         }
         saltus_extended_renew(&l->x, l->next.at.u);
         meet_rest(l);

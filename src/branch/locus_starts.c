@@ -296,7 +296,7 @@ static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const 
         /* The flips of the shorter orbits and, at a double multiplier, their tori. */
         starts[0].kind = SALTUS_POINT_PD;
         starts[1].kind = SALTUS_POINT_NS;
-        starts[0].sequence = starts[1].sequence = saltus_sequence_first_half(&at->sequence);
+        starts[0].sequence = starts[1].sequence = saltus_sequence_part(&at->sequence, 2);
         starts[1].theta = M_PI;
         return corner->kind == SALTUS_POINT_R2 ? 2 : 0;
     }

@@ -140,13 +140,13 @@ void saltus_sequence_even(saltus_sequence *s) {
         s->cut[k] *= 2;
 }
 
-saltus_sequence saltus_sequence_first_half(const saltus_sequence *s) {
-    saltus_sequence half = *s;
-    half.periods = s->periods / 2;
-    half.cuts = 1;
-    while (half.count > 0 && half.mark[half.count - 1].time >= half.base + half.periods)
-        half.count--;
-    return half;
+saltus_sequence saltus_sequence_part(const saltus_sequence *s, int parts) {
+    saltus_sequence part = *s;
+    part.periods = s->periods / parts;
+    part.cuts = 1;
+    while (part.count > 0 && part.mark[part.count - 1].time >= part.base + part.periods)
+        part.count--;
+    return part;
 }
 
 /* Cuts at about equal distances, in free flight and away from marks. */

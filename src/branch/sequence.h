@@ -24,8 +24,8 @@ bool saltus_sequence_join(const saltus_sequence *first, const saltus_sequence *s
 /* Without forcing: count the times of an orbit by half their unit where an odd number of units makes the
  * orbit, so that its halves are seen. */
 void saltus_sequence_even(saltus_sequence *sequence);
-/* The first half of an orbit of even period whose halves are alike. */
-saltus_sequence saltus_sequence_first_half(const saltus_sequence *sequence);
+/* The first of equal `parts` of an orbit that are alike. */
+saltus_sequence saltus_sequence_part(const saltus_sequence *sequence, int parts);
 
 /* How far, in periods, the marks are from repeating after each of `parts` equal parts of the orbit;
  * `mirrored`: on the other face. INFINITY if faces or kinds do not repeat, or if there are no marks to

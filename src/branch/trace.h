@@ -60,17 +60,21 @@ bool saltus_trace_same_orbit(saltus_trace *trace, const saltus_solution *solutio
 /* Whether at grazing an impact has lost its speed just as the orbit touches the stop on the other side half a
  * period later: the branch has come to orbits that are their own mirror images where these graze. */
 bool saltus_trace_joins_images(saltus_trace *trace, const saltus_solution *at);
-/* The touch by which a grazing orbit is known. Where it `joins` orbits of half the period, or its own mirror
- * image, it grazes twice, and rounding decides which is worse: then it is the first from the section on. */
-const saltus_breach *saltus_trace_touch(const saltus_solution *at, bool joins);
+/* The number of equal parts of a grazing orbit which has become one of only such a part of the period, where
+ * these graze; 1: it has not. */
+int saltus_trace_parts(saltus_trace *trace, const saltus_solution *at);
+/* The touch by which a grazing orbit is known. Where it consists of `parts`, or of its half and that one's
+ * mirror image (2), it grazes in each, and rounding decides which is worst: then it is the first from the
+ * section on. */
+const saltus_breach *saltus_trace_touch(const saltus_solution *at, int parts);
 /* The branch has ended at the last point: drop the starts there, since they lead back along this branch. */
 void saltus_trace_drop_starts(saltus_trace *trace);
 /* Add both ways along the branch that the present one joins at a flip or branch point, or at the grazing of
- * orbits of half the period or, `images`, of orbits that are their own mirror images, unless branches are not
+ * orbits of one of `parts` of the period or (1) that are their own mirror images, unless branches are not
  * switched to or the place was visited on that branch. */
 void saltus_trace_follow_joined(saltus_trace *trace, const saltus_solution *at, saltus_point_kind kind,
                                 double value);
-void saltus_trace_follow_grazing(saltus_trace *trace, const saltus_solution *at, bool images);
+void saltus_trace_follow_grazing(saltus_trace *trace, const saltus_solution *at, int parts);
 /* Whether the orbit `beyond` where chatter completes, `at`, is one of only a part of the period, with the
  * label `after`. Both ways along their branch are added as above. */
 bool saltus_trace_joins_part(saltus_trace *trace, const saltus_solution *at, const saltus_solution *beyond,

@@ -52,13 +52,24 @@ bool saltus_trace_joins_images(saltus_trace *t, const saltus_solution *at) {
                               at->at.ahead);
 }
 
-const saltus_breach *saltus_trace_touch(const saltus_solution *at, bool joins) {
+int saltus_trace_parts(saltus_trace *t, const saltus_solution *at) {
+    saltus_orbits *o = &t->orbits;
+    int parts = 1;
+    for (int factor = 2, left = at->sequence.periods; factor <= left; factor++)
+        for (; left % factor == 0; left /= factor)
+            if (saltus_orbits_join(o, saltus_solution_part_distance(o, t->here, parts * factor, NULL),
+                                   saltus_solution_part_distance(o, at, parts * factor, NULL), at->at.ahead))
+                parts *= factor;
+    return parts;
+}
+
+const saltus_breach *saltus_trace_touch(const saltus_solution *at, int parts) {
     const double little = 1e-9, near = 1e-4, periods = at->sequence.periods;
     const saltus_breach *touch = &at->worst;
-    for (int k = 0; k < at->breach_count && joins; k++) {
+    for (int k = 0; k < at->breach_count && parts > 1; k++) {
         const saltus_breach *other = &at->breaches[k];
-        const bool pair = fabs(fabs(other->time - touch->time) - 0.5 * periods) < near;
-        if (pair && fabs(other->value) < little && fmod(other->time, periods) < fmod(touch->time, periods))
+        const bool again = fabs(remainder(other->time - touch->time, periods / parts)) < near;
+        if (again && fabs(other->value) < little && fmod(other->time, periods) < fmod(touch->time, periods))
             touch = other;
     }
     return touch;
@@ -165,14 +176,14 @@ void saltus_trace_follow_joined(saltus_trace *t, const saltus_solution *at, salt
     saltus_orbits_close(&own);
 }
 
-void saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, bool images) {
+void saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, int parts) {
     const double little = 1e-6;
     saltus_orbits *o = &t->orbits;
     saltus_branch_start start = saltus_trail_leaving(t->trail);
     saltus_sequence changed, sequences[2];
     if (!saltus_trail_switches(t->trail))
         return;
-    /* Without the impact in either half, and with it in both. */
+    /* Without the impact in any part, and with it in all. */
     for (int k = 0; k < 2; k++) {
         const saltus_breach_kind kind = k ? SALTUS_BREACH_GAP : SALTUS_BREACH_SPEED;
         changed = at->sequence;
@@ -184,7 +195,7 @@ void saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, boo
             touch.value = 0;
             saltus_sequence_graze(&before, &touch, 1, &changed, NULL);
         }
-        sequences[k] = images ? changed : saltus_sequence_first_half(&changed);
+        sequences[k] = saltus_sequence_part(&changed, parts);
         saltus_solution_cuts(at, &sequences[k]);
     }
     if (sequences[0].count == sequences[1].count)

@@ -464,10 +464,9 @@ static void graze(saltus_trace *t, double accuracy) {
         .kind = SALTUS_POINT_GR, .ahead = at->at.ahead, .accuracy = accuracy, .change = true};
     bool doubled;
     const bool images = saltus_trace_joins_images(t, at);
-    const bool joins =
-        images || saltus_orbits_join(o, saltus_solution_part_distance(o, t->here, 2, NULL),
-                                     saltus_solution_part_distance(o, at, 2, NULL), at->at.ahead);
-    what.grazing = saltus_trace_touch(at, joins);
+    const int parts = images ? 1 : saltus_trace_parts(t, at);
+    const bool joins = images || parts > 1;
+    what.grazing = saltus_trace_touch(at, images ? 2 : parts);
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
     saltus_change_graze(o, t->here, at, &beyond, t->spare, t->trial, &change);
     /* Rounding hides further impacts: leap to where chatter is complete. */
@@ -478,7 +477,7 @@ static void graze(saltus_trace *t, double accuracy) {
              run ? "grazings follow one another ever more closely" : "the contact changes");
         return;
     }
-    if (t->trail->options->locus == SALTUS_POINT_GR && !joins && !saltus_change_in_family(o, at, &doubled)) {
+    if (t->trail->options->locus == SALTUS_POINT_GR && !images && !saltus_change_in_family(o, at, &doubled)) {
         find(t, at, &beyond);
         return;
     }
@@ -492,7 +491,7 @@ static void graze(saltus_trace *t, double accuracy) {
     what.after = goes_on ? change.after : NULL;
     what.addition = goes_on && change.turns_back ? "; the branch turns back (non-smooth fold)" : NULL;
     if (joins) {
-        saltus_trace_follow_grazing(t, at, images);
+        saltus_trace_follow_grazing(t, at, parts);
         saltus_trace_give(t, at, what);
     } else {
         give_branching(t, at, what, &beyond);
@@ -502,10 +501,15 @@ static void graze(saltus_trace *t, double accuracy) {
     if (joins)
         saltus_trace_drop_starts(t);
     if (!goes_on) {
+        static const char *const joined[] = {
+            "joins the orbits of a part of the period at their grazing",
+            "joins the orbits that are their own mirror images at their grazing",
+            "joins the orbits of half the period at their grazing",
+            "joins the orbits of a third of the period at their grazing",
+            "joins the orbits of a quarter of the period at their grazing"};
         saltus_trace_end(t, at, at->at.ahead,
-                         images  ? "joins the orbits that are their own mirror images at their grazing"
-                         : joins ? "joins the orbits of half the period at their grazing"
-                                 : "grazing: no orbit of this period goes on with other events");
+                         joins ? joined[parts < 5 ? parts : 0]
+                               : "grazing: no orbit of this period goes on with other events");
         return;
     }
     go_beyond(t, &beyond);

@@ -214,6 +214,27 @@ saltus_status saltus_orbit_all_multipliers(saltus_flow *flow, const saltus_orbit
     return status;
 }
 
+/* Move the state of an orbit found with prescribed events from the sequence's base to a phase. As the flow
+ * from there may have enlarged rounding by all of the orbit's growth, solve once more from there if possible.
+ */
+static saltus_status settle_at(search *s, const saltus_sequence *driven, double phase,
+                               saltus_message *message) {
+    double moved[SALTUS_STATE_MAX];
+    saltus_message ignored;
+    const size_t bytes = (size_t)s->n * sizeof *moved;
+    const double residual = s->residual;
+    saltus_status status = to_time(s, phase, message);
+    memcpy(moved, s->state, bytes);
+    if (status != SALTUS_OK || driven->base != phase)
+        return status;
+    status = solve(s, driven, &ignored);
+    if (status == SALTUS_OK || status == SALTUS_NO_MEMORY)
+        return status;
+    s->residual = residual;
+    memcpy(s->state, moved, bytes);
+    return SALTUS_OK;
+}
+
 /* Alternate between the two formulations, each from the result of the other. If an orbit was found that
  * passes through a stop, the message says so, as that explains more than a residual. */
 static saltus_status find(search *s, const double *guess, saltus_message *message) {
@@ -255,7 +276,7 @@ static saltus_status find(search *s, const double *guess, saltus_message *messag
         if (status == SALTUS_OK)
             status = solve_sequence(s, &met, &events);
         if (status == SALTUS_OK)
-            return to_time(s, phase, message);
+            return settle_at(s, &driven, phase, message);
         passing = passing < 0 ? events : passing;
         if (!(s->residual < INFINITY) || to_time(s, driven.base, &ignored) != SALTUS_OK)
             break;
