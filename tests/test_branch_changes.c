@@ -716,6 +716,35 @@ static void a_third_and_a_quarter_graze(void **unused) {
     }
 }
 
+/* Beside a grazing orbit of the linear oscillator, which turns by the angle 2 pi / omega in a period, one of
+ * two periods with one impact is admissible if that angle is 50 degrees, and on neither side at 220 degrees:
+ * then no branch is sought. */
+static void doubled_orbits_are_admissible_or_not_sought(void **unused) {
+    (void)unused;
+    static const double omega[] = {0.878, 360. / 220};
+    const double c = 0.02;
+    for (int row = 0; row < 2; row++) {
+        const double grazing = hypot(1 - omega[row] * omega[row], c * omega[row]);
+        saltus_spec spec = oscillator_spec(c, 1, 0.95 * grazing, omega[row]);
+        add_stop(&spec, 1, 0.8, SALTUS_UPPER);
+        saltus_branch_options options = branch_along("F", 0.9 * grazing, 1.1 * grazing);
+        options.switches = 1;
+        const double part = 0.95 / grazing,
+                     state[] = {part * (1 - omega[row] * omega[row]), part * c * omega[row] * omega[row]};
+        branch_record record = branch_run(&spec, 1, state, &options);
+        const saltus_branch_point *touch = only_point(&record, SALTUS_POINT_GR);
+        check_near(touch->value[0], grazing, 1e-12);
+        int doubled = 0;
+        for (int k = 0; k < record.count; k++) {
+            doubled += record.point[k].periods == 2;
+            assert_true(record.point[k].periods == 1 || strcmp(record.point[k].label, "1/2") == 0);
+            assert_null(strstr(record.point[k].reason, "nothing"));
+        }
+        assert_true(row ? doubled == 0 : doubled > 5);
+        branch_forget(&record);
+    }
+}
+
 /* After a run of impacts the halves of orbits of twice the period are all but alike. They fold and graze as
  * others do, and end where the shorter orbits flip. */
 static void halves_that_are_all_but_alike(void **unused) {
@@ -1285,6 +1314,7 @@ int main(void) {
         cmocka_unit_test(joined_branches_are_followed),
         cmocka_unit_test(a_branch_joined_twice_is_followed_once),
         cmocka_unit_test(a_third_and_a_quarter_graze),
+        cmocka_unit_test(doubled_orbits_are_admissible_or_not_sought),
         cmocka_unit_test(halves_that_are_all_but_alike),
         cmocka_unit_test(where_hardly_anything_rebounds),
         cmocka_unit_test(what_hardly_rebounds_chatters),

@@ -69,6 +69,22 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
     return false;
 }
 
+bool saltus_change_bars(saltus_orbits *o, saltus_solution *here, saltus_solution *next) {
+    static const double ahead[] = {1e-5, 1e-4};
+    const double even = 0.2;
+    bool bars = true;
+    for (int way = 0; way < 2; way++) {
+        double share[2];
+        for (int k = 0; k < 2 && bars; k++) {
+            bars = saltus_solution_visit(o, here, ahead[k], next) && next->worst.value > 0;
+            share[k] = next->worst.value / ahead[k];
+        }
+        bars = bars && fabs(share[1] / share[0] - 1) < even;
+        saltus_curve_turn(&here->at);
+    }
+    return bars;
+}
+
 bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *doubled) {
     const double slow = 1e-5, close = 1e-4;
     bool gone[SALTUS_MARKS_MAX] = {false};

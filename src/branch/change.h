@@ -36,6 +36,9 @@ typedef struct saltus_change {
 bool saltus_change_pass(saltus_orbits *orbits, const saltus_sequence *beyond, const double *parameters,
                         const double *states, const double *old, saltus_solution *here,
                         saltus_solution *next);
+/* Whether no orbit near `here`, which grazes, on the curve along its tangent is admissible: both ways a
+ * breach grows evenly from there. `next` is overwritten. */
+bool saltus_change_bars(saltus_orbits *orbits, saltus_solution *here, saltus_solution *next);
 /* The change of events at the grazing orbit `at`, at the end of a step `from` another one: *change gets kind
  * GR if the branch continues with the sequence `beyond`, otherwise EP; its reason is NULL if the impact that
  * is born is too close to another one to be distinguished from it. */

@@ -158,6 +158,8 @@ saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *sta
     if (start->origin == SALTUS_POINT_GR) {
         if (saltus_change_pass(o, &start->sequence, start->parameter, start->state, NULL, t->here, t->next))
             saltus_trace_leave_grazing(t);
+        else if (saltus_change_bars(o, t->here, t->next))
+            t->trail->following = false;
         else
             give_up(t, start, "the flow follows no such orbit");
         return SALTUS_OK;
