@@ -39,6 +39,16 @@ static inline void skip_where_slow(void) {
         skip();
 }
 
+/* SALTUS_LONG_TESTS=1: more cases, and the longest ways. */
+static inline bool long_version(void) {
+    return getenv("SALTUS_LONG_TESTS") != NULL;
+}
+
+static inline void skip_unless_long(void) {
+    if (!long_version())
+        skip();
+}
+
 static inline void set_parameter(saltus_spec *spec, const char *name, double value) {
     int k = saltus_model_parameter_index(spec->model, name);
     assert_true(k >= 0);

@@ -6,12 +6,6 @@
 
 #include <stdlib.h>
 
-/* Whether the long version is requested: every case, everything that trajectories can check, at full
- * length. */
-static bool long_version(void) {
-    return getenv("SALTUS_LONG_TESTS") != NULL;
-}
-
 /* An oscillator with an orbit to start from, and the range of a parameter. */
 typedef struct closed_case {
     closed_example example;
@@ -823,8 +817,7 @@ static void check_kinds(const branch_record *record, int branch, const char *kin
 
 static void family_in_omega(void **unused) {
     (void)unused;
-    if (!long_version())
-        skip();
+    skip_unless_long();
     saltus_branch_options options = branch_along("omega", 35, 56);
     branch_record record = run_reference("fig7d", 0, &options);
     check_kinds(&record, 0, "LP GR LP GR GR GR ");
@@ -835,8 +828,7 @@ static void family_in_omega(void **unused) {
 
 static void family_in_d(void **unused) {
     (void)unused;
-    if (!long_version())
-        skip();
+    skip_unless_long();
     saltus_branch_options options = branch_along("d", 0.03, 0.04);
     branch_record record = run_reference("fig7d", 0, &options);
     check_kinds(&record, 0, "PD GR PD GR PD GR LP GR ");
@@ -861,8 +853,7 @@ static saltus_motion classified(const saltus_spec *spec) {
 /* At d = 0.035 orbits of two periods gain impacts as omega grows, one at each grazing. */
 static void window_of_two_periods(void **unused) {
     (void)unused;
-    if (!long_version())
-        skip();
+    skip_unless_long();
     static const char *const labels[] = {"4/2", "5/2", "6/2", "7/2"};
     reference r = read_reference("fig7d");
     saltus_spec spec = r.spec;
@@ -929,8 +920,7 @@ static double touching_clearance(const reference *r, double near) {
  * its flip on; 7/10 exists between and is reached from either end. */
 static void from_3_5_to_4_5(void **unused) {
     (void)unused;
-    if (!long_version())
-        skip();
+    skip_unless_long();
     static const struct {
         int branch;
         saltus_point_kind kind;
@@ -1034,8 +1024,7 @@ static void chatter_ends(void **unused) {
 /* The same on the pipe, by continuation, by classification, and with another tolerance. */
 static void chatter_of_the_pipe_ends(void **unused) {
     (void)unused;
-    if (!long_version())
-        skip();
+    skip_unless_long();
     double value[2];
     for (int loose = 0; loose < 2; loose++) {
         saltus_branch_options options = branch_along("omega", 9.99, 10.5899);
@@ -1095,8 +1084,7 @@ static void any_section_point(void **unused) {
 
 static void any_section_point_of_the_pipe(void **unused) {
     (void)unused;
-    if (!long_version())
-        skip();
+    skip_unless_long();
     saltus_branch_options options = branch_along("omega", 41, 42.2);
     options.step_max = 0.1;
     branch_record record = run_reference("fig7d", 0, &options);
@@ -1461,8 +1449,7 @@ static void stable_points_beside(const char *key, double low, double high, doubl
 
 static void longer_version(void **unused) {
     (void)unused;
-    if (!long_version())
-        skip();
+    skip_unless_long();
     stable_points_beside("omega", 35, 56, 1e-4);
     stable_points_beside("d", 0.03, 0.04, 1e-6);
     check_resumed(closed_one_period, 1.1, 0.6, 1.8, 0, 1);
@@ -1589,6 +1576,7 @@ static branch_record chattering_pipe(double u0, int direction, const char *label
 /* The branch of chattering orbits of twice the period ends at the flip of the single ones. */
 static void chatter_doubles(void **unused) {
     (void)unused;
+    skip_where_slow();
     branch_record doubled = chattering_pipe(4.965, -1, "chatter/2");
     branch_record single = chattering_pipe(4.92, 1, "chatter/1");
     const saltus_branch_point *end = &doubled.point[doubled.count - 1];

@@ -386,6 +386,7 @@ static void short_runs_do_without(void **unused) {
  * substitute here notes how many it meets. */
 static void compilers_take_turns(void **unused) {
     (void)unused;
+    skip_where_slow();
     enum { systems = 20 };
     char compiler[80], log[80], line[80], text[600];
     saltus_system *system[systems];

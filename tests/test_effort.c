@@ -36,6 +36,7 @@ static saltus_status classify(const saltus_scene *scene, const saltus_classify_o
 /* The built-in scenes use at most a hundredth of it, whatever their verdict. */
 static void healthy_scenes_spend_next_to_nothing(void **state) {
     (void)state;
+    skip_where_slow();
     saltus_classify_options how = saltus_classify_defaults();
     how.transient = 1000;
     how.measure = 4000;

@@ -470,6 +470,7 @@ static long long largest_journal(const fixture *f, const char *line, const char 
 
 /* A signal when a sweep is almost done still ends what follows it. */
 static void a_signal_at_the_end_of_a_sweep_ends_paper(void **state) {
+    skip_where_slow();
     static const char line[] = "paper --quick --quiet --figure 4 -o paper";
     static const double parts[] = {0.95, 0.85, 0.98}; /* later ones in the long version */
     const size_t trials = getenv("SALTUS_LONG_TESTS") ? sizeof parts / sizeof parts[0] : 1;
@@ -494,6 +495,7 @@ static void a_signal_at_the_end_of_a_sweep_ends_paper(void **state) {
 
 /* Other signals are not caught: they have their usual effect. */
 static void other_signals_end_the_program_at_once(void **state) {
+    skip_where_slow();
     static const int signals[] = {SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGPIPE, SIGIO};
     const struct rlimit none = {0, 0};
     const fixture *f = *state;
@@ -609,6 +611,7 @@ static int follow_in_parts(const fixture *f, const char *line, const char *name)
 /* The file of a branch that was interrupted or killed any number of times is that of an undisturbed run, byte
  * for byte. */
 static void a_branch_in_parts_is_the_whole_one(void **state) {
+    skip_where_slow();
     static const char many_settings[] =
         "continue impact-oscillator --set c=0.12504 F=1.1739 F0=0.11951 d=0.42605 r=0.40661 omega=2.0486 "
         "--in omega=1.2292:3.2778 --locus LP --and d=0.12782:0.85211 --switch 1 --step-max 0.05";

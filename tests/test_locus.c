@@ -4,10 +4,6 @@
 #include "branch_check.h"
 #include "reference.h"
 
-static bool long_version(void) {
-    return getenv("SALTUS_LONG_TESTS") != NULL;
-}
-
 /* A curve in the plane of two parameters, from an orbit at the example's second parameter. */
 typedef struct closed_curve {
     closed_example example;
@@ -959,7 +955,7 @@ static void slow_forcing_hides_no_corner(void **unused) {
  * or -1 at once: the product over pairs keeps its sign, and only the number inside the circle tells. */
 static void pairs_beside_infinity_are_found(void **unused) {
     (void)unused;
-    skip_where_slow();
+    skip_unless_long();
     static const char *const key[2] = {"d", "omega"};
     static const double low[2] = {-0.5, 0.42}, high[2] = {4, 2.4}, step_max[2] = {0.01, 0.02};
     static const grazing_masses rows[] = {
@@ -1052,6 +1048,7 @@ static void curves_of_grazing_join_those_of_a_third(void **unused) {
  * Their curve ends there, where those of shorter orbits end. */
 static void all_impacts_die_at_once(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char *const key[2] = {"d", "omega"};
     static const double low[2] = {0.774503, 0.457195}, high[2] = {2.47841, 1.21919},
                         step_max[2] = {0.02, 0.01}, state[] = {1.0873439329355987, 0.448973399209425};
@@ -1132,6 +1129,7 @@ static void close_corners_are_told_apart(void **unused) {
  * branch off, and their images, graze on both sides of there. */
 static void grazing_passes_a_crossing(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char *const key[2] = {"d", "omega"};
     static const double low[2] = {0.005, 10}, high[2] = {0.08, 60}, step_max[2] = {0.01, 0.02};
     static const double state[] = {-0.043541447763617534, -0.34106758705984724};
@@ -1439,7 +1437,7 @@ static void check_tori(double step_max) {
 /* For any steps: near the double multiplier the equations are almost singular, and solved by chance. */
 static void tori_between_grazing_and_folds(void **unused) {
     (void)unused;
-    skip_where_slow();
+    skip_unless_long();
     static const double step_max[] = {0.015, 0.033, 0.05};
     for (int k = 0; k < 3; k++)
         check_tori(step_max[k]);
@@ -1794,8 +1792,7 @@ static void resonances(void **state) {
 
 static void check_pipe_curve(saltus_point_kind kind, const double *low, const double *high, int least) {
     const char *const key[2] = {"omega", "d"};
-    if (!long_version())
-        skip();
+    skip_unless_long();
     reference r = read_reference("fig7d");
     saltus_branch_options options = locus_options(kind, key, low, high);
     options.step_max = 0.04;

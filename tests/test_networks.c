@@ -547,6 +547,7 @@ static void folds_meet_grazing_within_rounding(void **unused) {
  * grazing comes to such orbits is told by the curve of these alone. */
 static void grazing_joins_images_within_rounding(void **unused) {
     (void)unused;
+    skip_unless_long();
     const network network = {"duffing",
                              "F=0.448 omega=0.305 d=0.617 c=0.13 r=0.378 sides=both",
                              SALTUS_POINT_PD,
@@ -714,7 +715,7 @@ static void grazing_joins_at_flips(void **unused) {
  * is, not where one was not found from afar. */
 static void folds_meet_grazing_after_chatter(void **unused) {
     (void)unused;
-    skip_where_slow();
+    skip_unless_long();
     static const network network = {"fig7d",
                                     "omega=45.95 d=0.0218154 r=0.655228 N=3 sides=both",
                                     SALTUS_POINT_GR,
@@ -747,7 +748,7 @@ static void weak_impacts_stay_apart(void **unused) {
  * on which it does tell the place. */
 static void tori_end_on_the_curve_of_flips(void **unused) {
     (void)unused;
-    skip_where_slow();
+    skip_unless_long();
     static const network network = {"two-mass",
                                     "d=0.240974 omega=0.521979 r=0.616212",
                                     SALTUS_POINT_GR,
