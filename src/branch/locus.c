@@ -324,7 +324,8 @@ static bool is_closed(saltus_locus *l) {
     const double same_way = step[0] * l->first_way[0] + step[1] * l->first_way[1];
     l->has_left |= hypot(back[0], back[1]) > 3 * stride;
     const bool same = l->here.orbit.sequence.count == l->first.count;
-    return same && l->has_left && !is_one_way(l) && along >= 0 && along <= stride && aside < 0.1 * stride && same_way > 0;
+    return same && l->has_left && !is_one_way(l) && along >= 0 && along <= stride && aside < 0.1 * stride &&
+           same_way > 0;
 }
 
 /* `next` becomes `here`. */
