@@ -713,6 +713,23 @@ static void a_third_and_a_quarter_graze(void **unused) {
         assert_int_equal(joins, 1);
         assert_int_equal(ends, 2);
         branch_forget(&record);
+        /* There the curve of that orbit's grazing begins, too. */
+        options.locus = SALTUS_POINT_GR;
+        snprintf(options.key[1], sizeof options.key[1], "omega");
+        options.low[1] = 0.86;
+        options.high[1] = 0.89;
+        record = branch_run(&spec, rows[row].periods, rows[row].state, &options);
+        int curve = 0;
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            if (!p->locus)
+                continue;
+            curve++;
+            assert_int_equal(p->periods, 1);
+            check_near(p->value[0], hypot(1 - p->value[1] * p->value[1], c * p->value[1]), 1e-14);
+        }
+        assert_true(curve > 20);
+        branch_forget(&record);
     }
 }
 

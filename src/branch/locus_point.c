@@ -248,8 +248,7 @@ static bool find_slope(saltus_curve_function *function, void *context, double pl
 
 double saltus_locus_doubt(saltus_curve_function *function, void *context, void *other, double place,
                           const saltus_curve_point *at, const saltus_curve_point *there, int c) {
-    /* Two flows may by chance differ by less than their errors. */
-    const double first = 1e-10, cautious = 4;
+    const double first = 1e-10;
     slope own = {.apart = first};
     if (!find_slope(function, context, place, true, at, c, &own))
         return NAN;
@@ -258,7 +257,7 @@ double saltus_locus_doubt(saltus_curve_function *function, void *context, void *
     const bool found = other && find_slope(function, other, place, false, there, c, &apart) &&
                        function(other, place + apart.zero, &value) && function(context, place, &value);
     const double flows = found ? hypot(there->u[c] - at->u[c], there->u[c + 1] - at->u[c + 1]) : INFINITY;
-    return own.apart * hypot(at->tangent[c], at->tangent[c + 1]) + own.scatter + cautious * flows;
+    return own.apart * hypot(at->tangent[c], at->tangent[c + 1]) + own.scatter + saltus_cautious * flows;
 }
 
 double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, int *parts) {

@@ -73,6 +73,9 @@ typedef struct saltus_zero {
 saltus_status saltus_orbits_open(saltus_orbits *orbits, saltus_message *message);
 /* The same orbits, of a flow of another tolerance: what differs is the flow's error. */
 saltus_status saltus_orbits_open_other(const saltus_orbits *orbits, saltus_orbits *other);
+/* What another flow, or a few points, tell of errors counts so many times: they may by chance differ by less.
+ */
+static const double saltus_cautious = 4;
 void saltus_orbits_close(saltus_orbits *orbits);
 /* Note if a status says that memory was lacking, and return it. Failures of mere attempts are passed over,
  * but not this one: the run ends with the step. */

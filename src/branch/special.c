@@ -437,9 +437,6 @@ static bool zero_around(saltus_orbits *o, saltus_test test, const saltus_breach 
     return isfinite(*parameter);
 }
 
-/* Two flows, or a few points, may by chance differ by less than their errors. */
-static const double cautious = 4;
-
 /* The doubt of saltus_special_doubt or, with `reach`, the same for a crossing of curves near `ahead` of `at`,
  * found at parameter `value`. */
 static double doubt_of(saltus_orbits *o, saltus_test test, const saltus_solution *at, double ahead,
@@ -468,13 +465,14 @@ static double doubt_of(saltus_orbits *o, saltus_test test, const saltus_solution
     }
     if (status == SALTUS_OK && reach > 0 &&
         saltus_solution_crossing(&other, test, &there, ahead, reach, &scratch).found)
-        doubt = cautious * fabs(scratch.value - value);
+        doubt = saltus_cautious * fabs(scratch.value - value);
     /* At the end of a domain only one side works. */
     for (int side = 0; side < 3 && isinf(doubt) && status == SALTUS_OK && reach == 0; side++) {
         double middle = (side == 2 ? -1 : side) * apart;
         if (zero_around(o, test, &touch, at, middle, &scratch, &here, &scatter[0]) &&
             zero_around(&other, test, &touch, &there, middle, &scratch, &beyond, &scatter[1]))
-            doubt = cautious * o->family.unit[0] * (fabs(beyond - here) + fmax(scatter[0], scatter[1]));
+            doubt =
+                saltus_cautious * o->family.unit[0] * (fabs(beyond - here) + fmax(scatter[0], scatter[1]));
     }
     saltus_orbits_noted(o, other.starved ? SALTUS_NO_MEMORY : status);
     saltus_solution_clear(&there);

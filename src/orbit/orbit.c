@@ -214,25 +214,23 @@ saltus_status saltus_orbit_all_multipliers(saltus_flow *flow, const saltus_orbit
     return status;
 }
 
-/* Move the state of an orbit found with prescribed events from the sequence's base to a phase. As the flow
- * from there may have enlarged rounding by all of the orbit's growth, solve once more from there if possible.
- */
-static saltus_status settle_at(search *s, const saltus_sequence *driven, double phase,
-                               saltus_message *message) {
-    double moved[SALTUS_STATE_MAX];
-    saltus_message ignored;
-    const size_t bytes = (size_t)s->n * sizeof *moved;
-    const double residual = s->residual;
-    saltus_status status = to_time(s, phase, message);
-    memcpy(moved, s->state, bytes);
-    if (status != SALTUS_OK || driven->base != phase)
-        return status;
-    status = solve(s, driven, &ignored);
-    if (status == SALTUS_OK || status == SALTUS_NO_MEMORY)
-        return status;
-    s->residual = residual;
-    memcpy(s->state, moved, bytes);
-    return SALTUS_OK;
+/* Move the state of an orbit found with prescribed events to a phase: with the times of its impacts, as the
+ * flow, which meets them earlier or later, might enlarge rounding on the way by all of the orbit's growth. */
+static saltus_status settle_at(search *s, double phase, saltus_message *message) {
+    saltus_sequence cut = s->sequence;
+    bool flies = !cut.driven && !cut.contacts;
+    for (int k = 0; k < cut.count; k++)
+        flies = flies && cut.mark[k].kind == SALTUS_IMPACT && !cut.mark[k].driven &&
+                fabs(remainder(cut.mark[k].time - phase, cut.periods)) > 0;
+    if (!flies || phase == cut.base)
+        return to_time(s, phase, message);
+    cut.cuts = 2;
+    cut.cut[0] = cut.base;
+    cut.cut[1] = phase + (phase < cut.base ? cut.periods : 0);
+    saltus_status status = adopt(s, &cut, message);
+    if (status == SALTUS_OK)
+        memcpy(s->state, saltus_shooting_states(s->shooting, s->u) + s->n, (size_t)s->n * sizeof *s->state);
+    return status;
 }
 
 /* Alternate between the two formulations, each from the result of the other. If an orbit was found that
@@ -276,7 +274,7 @@ static saltus_status find(search *s, const double *guess, saltus_message *messag
         if (status == SALTUS_OK)
             status = solve_sequence(s, &met, &events);
         if (status == SALTUS_OK)
-            return settle_at(s, &driven, phase, message);
+            return settle_at(s, phase, message);
         passing = passing < 0 ? events : passing;
         if (!(s->residual < INFINITY) || to_time(s, driven.base, &ignored) != SALTUS_OK)
             break;
