@@ -196,6 +196,8 @@ static void from_maximum(saltus_orbits *o, const saltus_solution *s, bool found,
                 saltus_time_of(saltus_point_time(s, count, saltus_time_periods(point->events[k].time)));
         fold_events(point->events, point->event_count, point->periods);
         saltus_orbit_label(point->impacts, point->periods, point->label);
+    } else {
+        point->label[0] = 0; /* the returns are not known */
     }
     saltus_lap_close(&lap);
 }

@@ -416,8 +416,11 @@ int saltus_solution_least_period(saltus_orbits *o, const saltus_solution *s) {
 void saltus_solution_label(saltus_orbits *o, const saltus_solution *s, char label[SALTUS_LABEL_MAX]) {
     saltus_lap lap = {0};
     memcpy(label, s->survey.label, SALTUS_LABEL_MAX);
-    if (label[0] && s->sequence.omega > 0 && saltus_cycle_around(o, s, &lap))
-        saltus_orbit_label(s->survey.impacts, lap.periods, label);
+    if (label[0] && s->sequence.omega > 0) {
+        label[0] = 0; /* unless the returns are known */
+        if (saltus_cycle_around(o, s, &lap))
+            saltus_orbit_label(s->survey.impacts, lap.periods, label);
+    }
     saltus_lap_close(&lap);
 }
 

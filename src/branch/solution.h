@@ -144,7 +144,7 @@ bool saltus_solution_section(saltus_orbits *orbits, const saltus_solution *solut
  * sequence if it cannot be told. */
 int saltus_solution_least_period(saltus_orbits *orbits, const saltus_solution *solution);
 /* The label of a surveyed solution: n/p, where p is the number of returns if the period is an unknown; "" if
- * it was not surveyed. */
+ * it was not surveyed or these are not known. */
 void saltus_solution_label(saltus_orbits *orbits, const saltus_solution *solution,
                            char label[SALTUS_LABEL_MAX]);
 /* Walk, and compute the multipliers on the way. */
