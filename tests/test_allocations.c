@@ -736,7 +736,7 @@ static double seconds(void) {
 static long stride(long count, double once) {
     double most = getenv("SALTUS_SANITIZED") ? 0.3 : 0.7;
     double runs = fmax(most / fmax(once, 1e-6), 12);
-    return getenv("SALTUS_LONG_TESTS") || (double)count <= runs ? 1 : (long)((double)count / runs) + 1;
+    return long_version() || (double)count <= runs ? 1 : (long)((double)count / runs) + 1;
 }
 
 static void fail_each(const char *name, saltus_status (*operation)(trial *)) {

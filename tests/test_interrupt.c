@@ -473,7 +473,7 @@ static void a_signal_at_the_end_of_a_sweep_ends_paper(void **state) {
     skip_where_slow();
     static const char line[] = "paper --quick --quiet --figure 4 -o paper";
     static const double parts[] = {0.95, 0.85, 0.98}; /* later ones in the long version */
-    const size_t trials = getenv("SALTUS_LONG_TESTS") ? sizeof parts / sizeof parts[0] : 1;
+    const size_t trials = long_version() ? sizeof parts / sizeof parts[0] : 1;
     const fixture *f = *state;
     char journal[320];
     make_gnuplot(f, ":");

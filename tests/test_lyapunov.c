@@ -16,15 +16,10 @@ static bool refuse(void) {
     return ++allocations == failing;
 }
 
-/* Whether longer and more runs are requested. */
-static bool at_length(void) {
-    return getenv("SALTUS_LONG_TESTS") != NULL;
-}
-
 /* Options for a short run from a state that has nearly settled. */
 static saltus_lyapunov_options short_options(int members) {
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
-    if (!at_length()) {
+    if (!long_version()) {
         options.members = members;
         options.transient = 100;
     }
@@ -114,7 +109,7 @@ static void reference_orbits(void **unused) {
     (void)unused;
     static const char *const names[] = {"fig7d", "fig7b", "sdof14", "chatter25"};
     for (int k = 0; k < 4; k++)
-        for (int all = getenv("SALTUS_SANITIZED") ? 1 : 0; all < (k < 3 || at_length() ? 2 : 1); all++) {
+        for (int all = getenv("SALTUS_SANITIZED") ? 1 : 0; all < (k < 3 || long_version() ? 2 : 1); all++) {
             reference r = read_reference(names[k]);
             saltus_system *system = build(&r.spec);
             saltus_lyapunov_options options = short_options(2);
@@ -143,7 +138,7 @@ static void scenes_and_shooting(void **unused) {
     static const char *const rows[][2] = {{"fig3", ""},        {"two-mass", ""}, {"near-grazing", ""},
                                           {"impact-pair", ""}, {"fig7b", ""},    {"fig6", "omega=14"},
                                           {"fig7d", ""},       {"fig2", ""},     {"chatter", ""}};
-    for (int k = 0; k < (at_length() ? 9 : 5); k++) {
+    for (int k = 0; k < (long_version() ? 9 : 5); k++) {
         saltus_message message = {.text = ""};
         saltus_classify_options classify = saltus_classify_defaults();
         saltus_lyapunov_options options = short_options(2);
@@ -153,7 +148,7 @@ static void scenes_and_shooting(void **unused) {
         options.exponents = 0;
         check_ok(saltus_classify(system, state, &classify, &motion, &message), &message);
         assert_int_equal(motion.verdict, SALTUS_PERIODIC);
-        saltus_lyapunov l = run_from(system, at_length() ? state : motion.state, &options);
+        saltus_lyapunov l = run_from(system, long_version() ? state : motion.state, &options);
         int resolved = 0;
         while (resolved < l.count && isfinite(motion.multipliers[resolved].log_modulus)) {
             log_moduli[resolved] = motion.multipliers[resolved].log_modulus;
@@ -402,11 +397,11 @@ static void exact_impact_maps(void **unused) {
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         const impactor *o = &rows[k];
         double exponent, error, rate, state[2] = {o->d - 0.3, 0.1};
-        iterate_map(o, at_length() ? 20000 : 5000, &exponent, &error, &rate);
+        iterate_map(o, long_version() ? 20000 : 5000, &exponent, &error, &rate);
         saltus_system *system = impactor_system(o);
         saltus_lyapunov_options options = short_options(8);
         options.exponents = 0;
-        options.precision = at_length() ? 0.01 : 0.04;
+        options.precision = long_version() ? 0.01 : 0.04;
         saltus_lyapunov l = run_from(system, state, &options);
         check_whole(&l);
         if (!(l.agree && l.precise && l.lost == 0))
@@ -426,7 +421,7 @@ static void linear_oscillators(void **unused) {
     (void)unused;
     static const double rows[][2] = {{0.1, 0.7},  {1.9, 0.7}, {2.5, 3},   {40, 0.3},
                                      {0, 0.3183}, {0, 1.618}, {1e-6, 1.3}};
-    for (int k = 0; k < (at_length() ? 7 : 5); k++) {
+    for (int k = 0; k < (long_version() ? 7 : 5); k++) {
         double c = rows[k][0], root = c > 2 ? sqrt(0.25 * c * c - 1) : 0, state[2] = {0.2, 0};
         double expected[2] = {-0.5 * c + root, -0.5 * c - root};
         saltus_spec spec = oscillator_spec(c, 1, 0.5, rows[k][1]);
@@ -437,7 +432,7 @@ static void linear_oscillators(void **unused) {
             options.members = 3;
             options.transient = 100;
         }
-        if (at_length() && c < 1e-3) { /* the error falls as one over the time, ... */
+        if (long_version() && c < 1e-3) { /* the error falls as one over the time, ... */
             options.periods *= 4;
             options.flow.rtol = 1e-13; /* ... down to what the flow's own errors may add to so slow a decay */
         }
@@ -459,7 +454,7 @@ static int descending(const void *a, const void *b) {
  * stiff ones decay by 1e4 and more in a unit of time. */
 static void pipe_at_rest(void **unused) {
     (void)unused;
-    const double rows[][3] = {{5, 2, 10}, {at_length() ? 12 : 7, 4.5, 5}, {1, 4.5, 2}};
+    const double rows[][3] = {{5, 2, 10}, {long_version() ? 12 : 7, 4.5, 5}, {1, 4.5, 2}};
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         int modes = (int)rows[k][0];
         double rest[24] = {0}, expected[24];
@@ -506,7 +501,7 @@ static void chaos_in_many_ways(void **unused) {
     double exponent[12], error[12], known, known_error, rate;
     iterate_map(&damped, 20000, &known, &known_error, &rate);
     for (int pipe = 0; pipe < 2; pipe++)
-        for (int k = 0; k < (pipe && !at_length() ? 1 : 12); k++) {
+        for (int k = 0; k < (pipe && !long_version() ? 1 : 12); k++) {
             saltus_lyapunov_options options = short_options(8);
             double state[10] = {-0.3, 0.1};
             saltus_system *system = pipe ? scene_system("fig6", "omega=10", state) : impactor_system(&damped);
@@ -546,12 +541,12 @@ static void whole_spectrum(void **unused) {
     (void)unused;
     skip_where_slow();
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
-    const char *settings = at_length() ? "omega=10" : "omega=10 N=3";
-    options.precision = at_length() ? 0.03 : 0.1;
+    const char *settings = long_version() ? "omega=10" : "omega=10 N=3";
+    options.precision = long_version() ? 0.03 : 0.1;
     options.exponents = 0;
     saltus_lyapunov all = run_scene("fig6", settings, &options);
     check_whole(&all);
-    assert_int_equal(all.count, at_length() ? 10 : 6);
+    assert_int_equal(all.count, long_version() ? 10 : 6);
     check_near(all.sum, all.sum_rule, 1e-7);
     check_near(all.kaplan_yorke, dimension_of(&all), 1e-12);
     assert_true(all.kaplan_yorke > 1.1 && all.kaplan_yorke < 1.5);
@@ -586,9 +581,9 @@ static void errors_are_calibrated(void **unused) {
                 {"vibrating-table", "F=3 r=0.95 q1=9", 0.03, 1, 4, 20}, /* with seed 21 one leaves chaos */
                 {"fig6", "omega=10", 0.03, 1, 8, 40},
                 {"fig6", "d=0.03 omega=14", 0.03, 1, 8, 20}};
-    for (int k = 0; k < (at_length() ? 7 : 2); k++) {
+    for (int k = 0; k < (long_version() ? 7 : 2); k++) {
         double exponent[60], error[60], mean = 0, square = 0;
-        int seeds = at_length() ? rows[k].seeds : 20, within = 0, disagree = 0;
+        int seeds = long_version() ? rows[k].seeds : 20, within = 0, disagree = 0;
         for (int seed = 0; seed < seeds; seed++) {
             saltus_lyapunov_options options = short_options(8);
             options.precision = rows[k].precision;
@@ -632,10 +627,10 @@ static void lost_directions(void **unused) {
                 {"chatter", "r=0", 2, 10},
                 {"two-mass", "r=0 F=1", 2, 4}};
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++)
-        for (int n = rows[k].dimension > 4 && !at_length() ? 1 : 0; n <= 1; n++) {
+        for (int n = rows[k].dimension > 4 && !long_version() ? 1 : 0; n <= 1; n++) {
             saltus_lyapunov_options options = short_options(2);
             options.exponents = n;
-            options.periods = at_length() ? 4000 : 400;
+            options.periods = long_version() ? 4000 : 400;
             saltus_lyapunov l = run_scene(rows[k].scene, rows[k].settings, &options);
             check_whole(&l);
             if (l.lost != rows[k].lost)
@@ -683,7 +678,7 @@ static void any_interval(void **unused) {
     (void)unused;
     static const double intervals[] = {0, 1, 2, 5, 1.0 / 3, 0.1};
     const char *const scenes[][2] = {
-        {"fig7b", at_length() ? "" : "N=2"}, {"two-mass", ""}, {"impact-oscillator", ""}};
+        {"fig7b", long_version() ? "" : "N=2"}, {"two-mass", ""}, {"impact-oscillator", ""}};
     for (size_t s = 0; s < 3; s++) {
         saltus_lyapunov first = {0};
         for (int k = 0; k < 6; k++) {

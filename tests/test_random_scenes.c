@@ -31,8 +31,7 @@ static outcome watch_scene(int scene, const stress_case *c, tally *all) {
     saltus_status status = stress_watch_open(&w, &c->spec, &c->options, c->phase, c->state);
     bool started = status == SALTUS_OK;
     if (started)
-        status = stress_watch_run(&w, c->phase + c->periods,
-                                  getenv("SALTUS_LONG_TESTS") ? steps_each_longer : steps_each);
+        status = stress_watch_run(&w, c->phase + c->periods, long_version() ? steps_each_longer : steps_each);
     if (status != SALTUS_OK)
         check_reason(scene, status, &w.message);
     for (int k = 0; k < stress_invariants; k++) {
@@ -94,7 +93,7 @@ static outcome run_scene(int scene, tally *all) {
 static void random_scenes(void **unused) {
     (void)unused;
     const char *only = getenv("SALTUS_RANDOM_SCENE");
-    int first = only ? atoi(only) : 0, count = getenv("SALTUS_LONG_TESTS")  ? scenes
+    int first = only ? atoi(only) : 0, count = long_version()               ? scenes
                                                : getenv("SALTUS_SANITIZED") ? scenes / 10
                                                                             : scenes / 4;
     if (only)

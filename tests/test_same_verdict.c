@@ -31,7 +31,7 @@ static saltus_scene random_scene(gsl_rng *rng, bool pipe, double *omega) {
 
 static void rows_and_motions_agree(void **unused) {
     (void)unused;
-    bool thorough = getenv("SALTUS_LONG_TESTS") != NULL;
+    const bool thorough = long_version();
     int points = thorough ? 3000 : 300, settled = 0;
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
     saltus_sweep_options options = saltus_sweep_defaults();

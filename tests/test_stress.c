@@ -5,13 +5,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "stress_rows.h"
 
-static bool longer(void) {
-    return getenv("SALTUS_LONG_TESTS") != NULL;
-}
-
 /* The factor by which runs are shorter or longer. */
 static double extent(void) {
-    return getenv("SALTUS_SANITIZED") ? 0.2 : longer() ? 10 : 1;
+    return getenv("SALTUS_SANITIZED") ? 0.2 : long_version() ? 10 : 1;
 }
 
 static void make_case(const stress_row *row, stress_case *c) {
@@ -41,7 +37,7 @@ static void rows_under_watch(void **unused) {
     (void)unused;
     for (size_t k = 0; k < sizeof stress_rows / sizeof stress_rows[0]; k++) {
         stress_case c;
-        if (stress_rows[k].applies & stress_longer && !longer())
+        if (stress_rows[k].applies & stress_longer && !long_version())
             continue;
         make_case(&stress_rows[k], &c);
         check_watched(&stress_rows[k], &c);
@@ -69,7 +65,7 @@ static void mirror_images(void **unused) {
     for (size_t k = 0; k < sizeof stress_rows / sizeof stress_rows[0]; k++) {
         stress_case c;
         if (!(stress_rows[k].applies & stress_mirror) ||
-            (stress_rows[k].applies & stress_longer && !longer()))
+            (stress_rows[k].applies & stress_longer && !long_version()))
             continue;
         make_case(&stress_rows[k], &c);
         c.periods *= extent();
@@ -103,7 +99,7 @@ static void energy_is_kept(void **unused) {
     saltus_flow_options options = saltus_flow_defaults();
     options.rtol = 1e-15;
     double state[2] = {0.1, 1.0}, energy = 0.5 * (0.01 + 1.0);
-    long long impacts = (long long)((longer() ? 1e6 : 1e5) * extent());
+    long long impacts = (long long)((long_version() ? 1e6 : 1e5) * extent());
     saltus_flow *flow = open_flow(system, &options, 0, state);
     for (double p = 0; saltus_flow_information(flow, 0).impacts < impacts;)
         advance(flow, p += 1000, 0);
@@ -126,7 +122,7 @@ static void section_does_not_drift(void **unused) {
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
     double early[2], late[2], state[2] = {-0.1, 0};
-    long long periods = (long long)((longer() ? 1e6 : 1e5) * extent()), settled = 2000;
+    long long periods = (long long)((long_version() ? 1e6 : 1e5) * extent()), settled = 2000;
     saltus_flow *flow = open_flow(system, &options, 0, state);
     advance(flow, (double)settled, 0);
     saltus_flow_state(flow, 0, early);

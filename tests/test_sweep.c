@@ -216,7 +216,7 @@ static void bits_do_not_depend_on_the_division(void **unused) {
     skip_where_slow();
     /* lanes, threads, stride through the tasks: backwards, in two or three runs as ranks would */
     static const int ways[][3] = {{8, 3, 3}, {4, 1, -1}, {0, 1, 1}, {0, 2, 2}};
-    const size_t count = getenv("SALTUS_LONG_TESTS") ? sizeof ways / sizeof ways[0] : 2;
+    const size_t count = long_version() ? sizeof ways / sizeof ways[0] : 2;
     for (size_t k = 0; k < sizeof divisions / sizeof divisions[0]; k++) {
         saltus_sweep *sweep, *other;
         outcome reference = run_division(&divisions[k], 1, 1, 1, &sweep);
@@ -762,7 +762,7 @@ static void orbits_around_a_period_doubling(void **unused) {
         saltus_scene scene = on_the_branch(omega);
         saltus_sweep_options options = saltus_sweep_defaults();
         options.transient = 1000;
-        for (unsigned long seed = 1; seed <= (getenv("SALTUS_LONG_TESTS") ? 4 : 1); seed++) {
+        for (unsigned long seed = 1; seed <= (long_version() ? 4 : 1); seed++) {
             options.seed = seed;
             single s = run_single(&scene, "omega", omega, &options);
             bool irregular = strcmp(s.label, "irregular") == 0;
@@ -1167,7 +1167,7 @@ static void failing_allocations(void **unused) {
     saltus_sweep_row expected[12], rows[12];
     int refused = 0;
     assert_int_equal(small_sweep(expected), SALTUS_OK);
-    for (long k = 1;; k += getenv("SALTUS_LONG_TESTS") ? 1 : getenv("SALTUS_SANITIZED") ? 7 : 3) {
+    for (long k = 1;; k += long_version() ? 1 : getenv("SALTUS_SANITIZED") ? 7 : 3) {
         allocations = 0;
         failing = k;
         saltus_status status = small_sweep(rows);
@@ -1182,7 +1182,7 @@ static void failing_allocations(void **unused) {
         refused += status == SALTUS_NO_MEMORY;
     }
     assert_true(refused > 10);
-    if (getenv("SALTUS_LONG_TESTS"))
+    if (long_version())
         assert_true(refused > 50);
 }
 

@@ -73,7 +73,7 @@ static void an_orbit_is_reached_when_it_is_near(void **unused) {
 static void a_spiral_is_not_left_early(void **unused) {
     (void)unused;
     static const double moduli[] = {0.9, 0.8, 0.5, 0.96};
-    const double step = getenv("SALTUS_LONG_TESTS") ? 0.01 : 0.21;
+    const double step = long_version() ? 0.01 : 0.21;
     for (int k = 0; k < 4; k++)
         for (double angle = 0.1; angle < 3.1; angle += step) {
             double left = distance_left(moduli[k], angle, 1e-10);

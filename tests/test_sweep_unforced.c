@@ -66,7 +66,7 @@ static void rows_and_motions_agree(void **unused) {
                   {"flutter", "u", 5.5, 8},
                   {"van-der-pol", "mu", 0.05, 20},
                   {NULL, "mu", 0.1, 5}};
-    const int points = getenv("SALTUS_LONG_TESTS") ? 100 : 12;
+    const int points = long_version() ? 100 : 12;
     int settled = 0, cycles = 0;
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
     saltus_sweep_options options = saltus_sweep_defaults();

@@ -23,14 +23,9 @@ static saltus_motion judge(const saltus_spec *spec, const saltus_classify_option
     return motion;
 }
 
-/* Longer runs, on request. */
-static bool at_length(void) {
-    return getenv("SALTUS_LONG_TESTS") != NULL;
-}
-
 static saltus_motion judge_scene(const char *name, const char *const *settings) {
     saltus_classify_options options = saltus_classify_defaults();
-    options.measure = at_length() ? options.measure : 64000;
+    options.measure = long_version() ? options.measure : 64000;
     saltus_spec spec = scene_spec(name, settings);
     return judge(&spec, &options);
 }
@@ -47,12 +42,12 @@ static void chaos_is_proven(void **unused) {
     assert_string_equal(motion.label, "chaotic");
     assert_false(saltus_verdict_settled(motion.verdict));
     check_near(motion.lyapunov, 0.756, 0.01 + 3 * motion.lyapunov_error);
-    assert_true(motion.lyapunov_error > 0 && motion.lyapunov_error < (at_length() ? 0.01 : 0.02));
+    assert_true(motion.lyapunov_error > 0 && motion.lyapunov_error < (long_version() ? 0.01 : 0.02));
     for (int half = 0; half < 2; half++)
         check_near(e->half[half], motion.lyapunov, 4 * e->half_errors[half]);
-    assert_true(e->periods >= (at_length() ? 32000 : 8000) && e->members == 8 && e->left == 0);
-    assert_true(e->zero_one > (at_length() ? 0.95 : 0.8) && e->curves == 0);
-    assert_true(e->broadband > (at_length() ? 0.5 : 0.05));
+    assert_true(e->periods >= (long_version() ? 32000 : 8000) && e->members == 8 && e->left == 0);
+    assert_true(e->zero_one > (long_version() ? 0.95 : 0.8) && e->curves == 0);
+    assert_true(e->broadband > (long_version() ? 0.5 : 0.05));
     check_near(e->dimension, 1.2, 0.2);
     check_near(motion.largest, 0.035, 1e-12);
     assert_true(e->history_count >= 4);
@@ -130,10 +125,10 @@ static void stable_orbits_amid_chaos_count(void **unused) {
                              *const masses[] = {"omega=1.6467", "d=-0.0687", "r=0.871", "c=0.035",
                                                 "c2=0.035",     "m2=0.77",   "k2=2.1",  NULL};
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_spec spec = at_length() ? scene_spec("fig6", pipe) : scene_spec("two-mass", masses);
-    const char *label = at_length() ? "2/1" : "18/4";
-    options.transient = at_length() ? 2500 : 1600;
-    options.measure = at_length() ? options.measure : 8000;
+    saltus_spec spec = long_version() ? scene_spec("fig6", pipe) : scene_spec("two-mass", masses);
+    const char *label = long_version() ? "2/1" : "18/4";
+    options.transient = long_version() ? 2500 : 1600;
+    options.measure = long_version() ? options.measure : 8000;
     options.lifetime = options.measure / 24;
     saltus_motion motion = judge(&spec, &options);
     if (motion.verdict == SALTUS_TRANSIENT) {

@@ -56,10 +56,13 @@ int saltus_trace_parts(saltus_trace *t, const saltus_solution *at) {
     saltus_orbits *o = &t->orbits;
     int parts = 1;
     for (int factor = 2, left = at->sequence.periods; factor <= left; factor++)
-        for (; left % factor == 0; left /= factor)
-            if (saltus_orbits_join(o, saltus_solution_part_distance(o, t->here, parts * factor, NULL),
-                                   saltus_solution_part_distance(o, at, parts * factor, NULL), at->at.ahead))
-                parts *= factor;
+        for (bool joins = true; left % factor == 0; left /= factor) {
+            const int finer = parts * factor;
+            joins =
+                joins && saltus_orbits_join(o, saltus_solution_part_distance(o, t->here, finer, NULL),
+                                            saltus_solution_part_distance(o, at, finer, NULL), at->at.ahead);
+            parts = joins ? finer : parts;
+        }
     return parts;
 }
 

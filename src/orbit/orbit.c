@@ -221,7 +221,7 @@ static saltus_status settle_at(search *s, double phase, saltus_message *message)
     bool flies = !cut.driven && !cut.contacts;
     for (int k = 0; k < cut.count; k++)
         flies = flies && cut.mark[k].kind == SALTUS_IMPACT && !cut.mark[k].driven &&
-                fabs(remainder(cut.mark[k].time - phase, cut.periods)) > 0;
+                remainder(cut.mark[k].time - phase, cut.periods) != 0;
     if (!flies || phase == cut.base)
         return to_time(s, phase, message);
     cut.cuts = 2;
