@@ -415,7 +415,8 @@ static void the_law_of_the_period_tells_where_it_has_no_bound(void **unused) {
 }
 
 /* Along a curve on which a rest touches a stop, at x = 1/2, its stability changes where mu = x^2, and where
- * it folds, k = 3 x^2. */
+ * it folds, k = 3 x^2. From there the curves of Hopf points, mu = F^2, and of folds, F = - 2 (k/3)^(3/2), are
+ * followed on the side of the stop on which the mass is. */
 static void curves_of_rests_on_a_stop_tell_where_stability_changes(void **unused) {
     (void)unused;
     static const char half[] = "stop: {coordinate: x, d: 0.5, r: 0.8, sides: upper}\n";
@@ -448,10 +449,22 @@ static void curves_of_rests_on_a_stop_tell_where_stability_changes(void **unused
         options.low[1] = 0;
         options.high[1] = 1;
         options.locus = SALTUS_POINT_BE;
+        options.switches = 1;
         branch_record record = follow(&scene, &options);
-        int met = 0;
+        int met = 0, beyond = 0;
         for (int k = 0; k < record.count; k++) {
             const saltus_branch_point *p = &record.point[k];
+            if (p->locus == cases[c].kind) {
+                const double F = p->value[0], other = p->value[1];
+                check_near(F, c ? -2 * pow(fmax(other, 0) / 3, 1.5) : sqrt(other), 1e-9);
+                if (beyond++ == 0) {
+                    check_near(F, cases[c].there[0], 1e-11);
+                    check_near(other, cases[c].there[1], 1e-11);
+                }
+                assert_true(other < cases[c].there[1] + 1e-11);
+                assert_int_equal(p->branch, 2);
+                continue;
+            }
             if (p->kind != cases[c].kind) {
                 assert_true(p->kind == SALTUS_POINT_BE || p->kind == SALTUS_POINT_EP);
                 continue;
@@ -461,6 +474,7 @@ static void curves_of_rests_on_a_stop_tell_where_stability_changes(void **unused
             met++;
         }
         assert_int_equal(met, 1);
+        assert_true(beyond > 20);
         branch_forget(&record);
         saltus_scene_clear(&scene);
     }
@@ -724,7 +738,8 @@ static void cycles_of_linear_motion_have_no_curve_of_folds(void **unused) {
 }
 
 /* Van der Pol's oscillator, pushed aside to x = a, loses its stability at a = 1. That curve ends where the
- * equilibrium meets the stop, at d = 1, and at once where it begins on a border of the range. */
+ * equilibrium meets the stop, at d = 1, and at once where it begins on a border of the range. The curve of
+ * equilibria at the stop, a = d, passes through, to both sides. */
 static void a_curve_of_hopf_points_ends_on_a_stop(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("mu: {default: 0.5}, a: {default: 0.5}", "mu*(1 - x^2)*x' - x + a",
@@ -734,10 +749,20 @@ static void a_curve_of_hopf_points_ends_on_a_stop(void **unused) {
     options.low[1] = 0.1;
     options.high[1] = 1.5;
     options.locus = SALTUS_POINT_HB;
+    options.switches = 1;
     branch_record record = follow(&scene, &options);
-    int ends = 0;
+    int ends = 0, touching = 0;
+    double least = INFINITY, most = -INFINITY;
     for (int k = 0; k < record.count; k++) {
         const saltus_branch_point *p = &record.point[k];
+        if (p->locus == SALTUS_POINT_BE) {
+            check_near(p->value[0], p->value[1], 1e-12);
+            assert_true(p->branch == 2 || p->branch == 3);
+            least = fmin(least, p->value[1]);
+            most = fmax(most, p->value[1]);
+            touching++;
+            continue;
+        }
         check_near(p->value[0], 1, 1e-12);
         if (p->kind != SALTUS_POINT_EP)
             continue;
@@ -746,7 +771,14 @@ static void a_curve_of_hopf_points_ends_on_a_stop(void **unused) {
                             ends == 1 ? "end of the parameters' range" : "the equilibrium meets a stop");
     }
     assert_int_equal(ends, 2);
+    assert_true(touching > 10 && least == 0.1 && most == 1.5);
     branch_forget(&record);
+    saltus_system *system = build(&scene.spec);
+    saltus_message message = {.text = ""};
+    double state[SALTUS_STATE_MAX];
+    check_ok(saltus_scene_state(&scene, system, state, &message), &message);
+    assert_true(branch_check_resumed(&scene.spec, 0, state, &options, 3) > 3);
+    saltus_system_free(system);
     saltus_scene_clear(&scene);
 }
 

@@ -275,7 +275,8 @@ void saltus_archive_shape(saltus_archive *a, saltus_shooting *shooting) {
 
 void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
     enum { numbers_min = 18 }; /* per start */
-    const unsigned kinds = saltus_orbit_loci | 1u << SALTUS_POINT_HB | 1u << SALTUS_POINT_REGULAR;
+    const unsigned kinds =
+        saltus_orbit_loci | 1u << SALTUS_POINT_HB | 1u << SALTUS_POINT_BE | 1u << SALTUS_POINT_REGULAR;
     if (a->reading)
         saltus_starts_clear(starts);
     starts->begun = (int)saltus_archive_whole(a, starts->begun, 0, INT_MAX / 2);
@@ -306,6 +307,7 @@ void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
         start->leaves = saltus_archive_flag(a, start->leaves);
         start->done = saltus_archive_flag(a, start->done);
         a->sound = a->sound && (lies || start->done) &&
-                   (start->kind != SALTUS_POINT_GR || start->mark < start->sequence.count);
+                   (start->kind != SALTUS_POINT_GR || start->mark < start->sequence.count) &&
+                   (start->origin != SALTUS_POINT_BE || start->mark < a->faces);
     }
 }

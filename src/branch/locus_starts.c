@@ -358,7 +358,9 @@ void saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_test *corne
 saltus_branch_start *saltus_locus_starts_next(saltus_starts *starts, bool of_rests) {
     for (starts->begun = 1; starts->begun <= starts->count; starts->begun++) {
         saltus_branch_start *s = &starts->start[starts->begun - 1];
-        if (!s->done && (s->kind == SALTUS_POINT_HB || s->origin == SALTUS_POINT_BT) == of_rests)
+        const bool own = s->kind == SALTUS_POINT_HB || s->kind == SALTUS_POINT_BE ||
+                         s->origin == SALTUS_POINT_BT || s->origin == SALTUS_POINT_BE;
+        if (!s->done && own == of_rests)
             return s;
     }
     return NULL;

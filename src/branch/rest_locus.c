@@ -27,13 +27,14 @@ static double product_of(const saltus_rests *r, const saltus_rest *s, int omitte
     return creal(product);
 }
 
-/* Whether a pair of eigenvalues is imaginary, but for rounding. */
-static bool has_pair(const saltus_rests *r, const saltus_rest *s) {
+/* The angular frequency of a pair of eigenvalues that is imaginary, but for rounding; 0: none is. */
+static double frequency_of_pair(const saltus_rests *r, const saltus_rest *s) {
     const double close = 1e-6;
-    bool has = false;
+    double frequency = 0;
     for (int k = 0; k < s->rate_count; k++)
-        has |= s->rates[k].im != 0 && fabs(s->rates[k].re) < close * r->rate_scale;
-    return has;
+        if (s->rates[k].im > 0 && fabs(s->rates[k].re) < close * r->rate_scale)
+            frequency = s->rates[k].im;
+    return frequency;
 }
 
 /* All that a point's unknowns tell. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
@@ -200,38 +201,44 @@ static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
 
 /* Where two eigenvalues are zero, the curve of folds passes through, and that of Hopf points ends. Where the
  * first Lyapunov coefficient is zero the latter goes through, and cycles that fold grow from the equilibrium.
- */
-static void meet(saltus_rest_locus *l, saltus_point_kind kind, const saltus_rest *at) {
+ * Where one of both curves meets a face (otherwise -1) it ends, and that of equilibria at the face passes
+ * through. */
+static void meet(saltus_rest_locus *l, saltus_point_kind kind, const saltus_rest *at, int face) {
     const saltus_trail *trail = l->trail;
+    const saltus_point_kind own = l->rests.special.kind;
     const bool grows = kind == SALTUS_POINT_GH;
-    saltus_hopf hopf = {.omega = 0};
+    saltus_hopf hopf = {.omega = frequency_of_pair(&l->rests, at)};
     if (trail->options->switches == 0 || (grows && !saltus_hopf_find(&l->rests, at, &hopf)))
         return;
     saltus_branch_start start = {
-        .kind = l->rests.special.kind,
+        .kind = own,
         .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf.omega},
         .parameter = {at->parameter[0], at->parameter[1]},
         .state = at->state,
         .states = l->rests.n,
+        .mark = face < 0 ? 0 : face,
         .one_way = grows,
-        .origin = kind,
+        .origin = face < 0 ? kind : SALTUS_POINT_BE,
         .parent = trail->number,
         .depth = trail->depth + 1,
         .done = true};
     saltus_locus_starts_add(l->starts, &start, NAN, &l->rests.starved);
     if (trail->depth >= trail->options->switches)
         return;
-    start.kind = start.kind == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;
+    start.kind = face >= 0 ? kind : own == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;
     start.done = false;
+    if (start.kind == SALTUS_POINT_BE)
+        start.sequence.contacts &= ~(1u << face);
     if (grows)
         saltus_hopf_direction(&l->rests, &hopf, start.sequence.anchor);
     saltus_locus_starts_add(l->starts, &start, NAN, &l->rests.starved);
 }
 
-/* Begin a curve that was met: on a curve of Hopf points from where two eigenvalues are zero on the way on
- * which these are a pair. */
+/* Begin a curve that was met: of Hopf points from where two eigenvalues are zero on the way on which these
+ * are a pair; of Hopf points or folds from a face on the way on which the gap opens. */
 static saltus_status switch_to(saltus_rest_locus *l, saltus_branch_start *start, saltus_message *message) {
     const double apart = 1e-3;
+    const int face = start->mark;
     saltus_rest *aside = &l->trial;
     saltus_message why = {.text = ""};
     double square;
@@ -240,14 +247,20 @@ static saltus_status switch_to(saltus_rest_locus *l, saltus_branch_start *start,
     if (status != SALTUS_OK)
         return saltus_fail(message, status, "no curve of %s points can be begun at a %s: %.200s",
                            saltus_point_word(start->kind), saltus_point_word(start->origin), why.text);
-    const bool through = start->kind != SALTUS_POINT_HB || start->origin != SALTUS_POINT_BT;
-    const bool pairs =
-        through ||
-        (saltus_rest_visit(&l->rests, &l->here, apart, aside, &why) == SALTUS_OK &&
-         isfinite(saltus_rests_pair(&l->rests, aside->at.u, l->rests.special.square, &square)) && square > 0);
+    const bool leaves = start->origin == SALTUS_POINT_BE && start->kind != SALTUS_POINT_BE,
+               splits = start->origin == SALTUS_POINT_BT && start->kind == SALTUS_POINT_HB,
+               sound = (leaves || splits) &&
+                       saltus_rest_visit(&l->rests, &l->here, apart, aside, &why) == SALTUS_OK;
+    const bool forth =
+        leaves ? sound && aside->breach[face] < 0
+        : splits
+            ? sound &&
+                  isfinite(saltus_rests_pair(&l->rests, aside->at.u, l->rests.special.square, &square)) &&
+                  square > 0
+            : true;
     l->way = 0;
-    l->way_count = through ? 2 : 1;
-    l->first_way = pairs ? 1 : -1;
+    l->way_count = leaves || splits ? 1 : 2;
+    l->first_way = forth ? 1 : -1;
     return begin(l, message);
 }
 
@@ -307,16 +320,17 @@ static void give_corners(saltus_rest_locus *l, double last) {
     for (int i = 0; i < count && found[i].ahead < last && l->trail->following; i++) {
         const saltus_point_kind kind = found[i].kind;
         sought s = {l, kind != tests[l->rests.special.kind][0].kind, -1};
-        const bool touches = l->rests.special.kind == SALTUS_POINT_BE;
+        const int touched = l->rests.special.face;
+        const bool touches = touched >= 0;
         if (!value_ahead(&s, found[i].ahead, &value) ||
-            (touches && kind == SALTUS_POINT_HB && !has_pair(&l->rests, &l->trial)))
+            (touches && kind == SALTUS_POINT_HB && frequency_of_pair(&l->rests, &l->trial) == 0))
             continue;
         give(l, &l->trial, kind, found[i].ahead,
              !touches                  ? NULL
              : kind == SALTUS_POINT_HB ? "a curve of Hopf points meets the stop"
                                        : "a curve of folds meets the stop");
-        if (kind != SALTUS_POINT_CP && !touches && l->trail->following)
-            meet(l, kind, &l->trial);
+        if (kind != SALTUS_POINT_CP && l->trail->following)
+            meet(l, kind, &l->trial, touched);
         if (tests[l->rests.special.kind][s.test].ends && l->trail->following)
             give(l, &l->trial, SALTUS_POINT_EP, found[i].ahead,
                  "beyond it two real eigenvalues add up to zero: no Hopf points");
@@ -363,6 +377,8 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     if (ends) {
         sought s = {l, 0, face};
         const bool there = leaves > 0 && value_ahead(&s, leaves, &breach);
+        if (there && r->special.face < 0)
+            meet(l, SALTUS_POINT_BE, &l->trial, face);
         give(l, there ? &l->trial : &l->here, SALTUS_POINT_EP, there ? leaves : 0, ends);
         return SALTUS_OK;
     }
