@@ -85,6 +85,7 @@ static void check_ends(const network *n, const branch_record *record) {
                             p->value[1] == n->low[1] || p->value[1] == n->high[1];
         if (p->kind == SALTUS_POINT_EP && !border && !strstr(p->reason, "come back") &&
             !strstr(p->reason, "shrink to a touch") &&
+            !strstr(p->reason, "shrink to the begin of a contact") &&
             !(is_named(last) && last->branch == p->branch && apart(n, last, p) < 1e-9))
             fail_msg("%s: curve %d of %s ends at %.12g, %.12g: %s", n->settings, p->branch,
                      saltus_point_word(p->locus), p->value[0], p->value[1], p->reason);
@@ -847,6 +848,77 @@ static void tori_of_mirror_images_pass_minus_one(void **unused) {
     branch_forget(&record);
 }
 
+/* Where a mass in a double well is back at the stop, at d, after it left with no force, both times at rest:
+ * gap and speed there. Where the same force is back, cos(omega t) = (d^3 - d) / F, the acceleration is zero,
+ * too. */
+static void fly(double omega, double d, double miss[2]) {
+    enum { parts = 4000 };
+    const double c = 0.263, F = 0.334, from = acos((d * d * d - d) / F) / omega,
+                 h = (2 * M_PI / omega - 2 * from) / parts;
+    double x = d, v = 0;
+    for (int k = 0; k < parts; k++) {
+        static const double share[] = {0, 0.5, 0.5, 1}, weight[] = {1. / 6, 1. / 3, 1. / 3, 1. / 6};
+        double speed = v, force = 0, dx = 0, dv = 0;
+        for (int j = 0; j < 4; j++) {
+            const double own = x + share[j] * h * speed;
+            speed = v + share[j] * h * force;
+            force = F * cos(omega * (from + (k + share[j]) * h)) - c * speed + own - own * own * own;
+            dx += weight[j] * h * speed;
+            dv += weight[j] * h * force;
+        }
+        x += dx;
+        v += dv;
+    }
+    miss[0] = x - d;
+    miss[1] = v;
+}
+
+/* A touch that is followed by complete chatter loses its acceleration along its curve, and with it the
+ * chatter. The curve ends there, at the place that Newton's method finds for the flight alone. */
+static void a_touch_becomes_the_begin_of_a_contact(void **unused) {
+    (void)unused;
+    static const network network = {"duffing",
+                                    "c=0.263 F=0.334 d=1.034 r=0.673 omega=0.308",
+                                    SALTUS_POINT_GR,
+                                    {"omega", "d"},
+                                    {0.208, 0.3},
+                                    {0.408, 1.2},
+                                    0,
+                                    {0.05, 0.02},
+                                    -1};
+    double place[2] = {0.26, 1.02};
+    for (int k = 0; k < 20; k++) {
+        const double apart = 1e-5;
+        double miss[2], up[2], down[2], a[2][2];
+        fly(place[0], place[1], miss);
+        for (int j = 0; j < 2; j++) {
+            fly(place[0] + (j == 0) * apart, place[1] + (j == 1) * apart, up);
+            fly(place[0] - (j == 0) * apart, place[1] - (j == 1) * apart, down);
+            for (int i = 0; i < 2; i++)
+                a[i][j] = (up[i] - down[i]) / (2 * apart);
+        }
+        const double determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+        place[0] -= (miss[0] * a[1][1] - miss[1] * a[0][1]) / determinant;
+        place[1] -= (miss[1] * a[0][0] - miss[0] * a[1][0]) / determinant;
+    }
+    for (int k = 0; k < 2; k++) {
+        branch_record record = follow(&network, network.step_max[k], 0, NULL);
+        int found = 0;
+        check_ends(&network, &record);
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            if (!strstr(p->reason, "shrink to the begin of a contact"))
+                continue;
+            check_near(p->value[0], place[0], 1e-11);
+            check_near(p->value[1], place[1], 1e-11);
+            assert_true(p->accuracy < 1e-9);
+            found++;
+        }
+        assert_int_equal(found, 1);
+        branch_forget(&record);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
@@ -883,6 +955,7 @@ int main(void) {
         cmocka_unit_test(tori_end_on_the_curve_of_flips),
         cmocka_unit_test(steep_curves_join_at_flips),
         cmocka_unit_test(tori_of_mirror_images_pass_minus_one),
+        cmocka_unit_test(a_touch_becomes_the_begin_of_a_contact),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/flat.h"
 
+#include "branch/sequence.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -23,12 +25,29 @@ static saltus_sequence gather(const saltus_sequence *whole, int part[SALTUS_MARK
     return few;
 }
 
-/* The equations of an orbit with, for each of its marks, g' = g'' = g''' = 0. They are more than the unknowns
- * and hold together where the orbit is one of a family. */
+/* The touch `mark`, if complete chatter follows it, as the mere beginning of the contact. */
+static bool gather_landing(const saltus_sequence *whole, int mark, saltus_sequence *few) {
+    const double near = 0.01;
+    const saltus_mark *touch = &whole->mark[mark];
+    bool gone[SALTUS_MARKS_MAX] = {false};
+    int last = mark;
+    while (!whole->mark[last].driven && last + 1 < whole->count &&
+           whole->mark[last + 1].face == touch->face && whole->mark[last + 1].kind == SALTUS_IMPACT &&
+           whole->mark[last + 1].time - touch->time < near)
+        gone[++last] = true;
+    saltus_sequence_without(whole, gone, few, NULL);
+    few->mark[mark].kind = SALTUS_STICK;
+    few->mark[mark].driven = false;
+    return whole->mark[last].driven && !whole->driven && saltus_sequence_completes(whole, last);
+}
+
+/* The equations of an orbit with, for some of its marks, g' = g'' = 0, and g''' = 0. They are as many as the
+ * unknowns, or more and hold together where the orbit is one of a family. */
 typedef struct flat {
     saltus_shooting *shooting;
     saltus_equations *e;
     int rows, marks, first; /* first: unknown and equation of the first mark */
+    int derivatives;        /* that are zero */
     double *u, *a;          /* rows x (unknowns + 1): the Jacobian, and the residuals behind it */
     double *normal, *right;
     saltus_dense_lu lu;
@@ -52,8 +71,8 @@ static saltus_status evaluate(flat *f, double apart) {
             f->u[own] = middle + (j - 2) * apart / unit;
             status = saltus_equations_evaluate(f->e, f->u, NULL);
             const double *row = f->e->jacobian + own * m;
-            for (int d = 0; d < 3 && status == SALTUS_OK; d++) {
-                double *out = f->a + (c + 3 * k + d) * width;
+            for (int d = 0; d < f->derivatives && status == SALTUS_OK; d++) {
+                double *out = f->a + (c + f->derivatives * k + d) * width;
                 for (int i = 0; i < m; i++)
                     out[i] += share[d][j] / pow(apart, d + 1) * row[i];
                 out[m] += d        ? share[d - 1][j] / pow(apart, d) * row[own] / unit
@@ -144,7 +163,7 @@ static saltus_status take_over(saltus_extended *x, const flat *f, saltus_locus_p
 static bool open_flat(saltus_orbits *o, flat *f) {
     f->e = &f->shooting->equations;
     const size_t m = (size_t)f->e->unknowns;
-    f->rows = f->e->count + 3 * f->marks;
+    f->rows = f->e->count + f->derivatives * f->marks;
     do {
         f->u = saltus_arena_doubles(&f->arena, m);
         f->a = saltus_arena_doubles(&f->arena, (size_t)f->rows * (m + 1));
@@ -156,30 +175,43 @@ static bool open_flat(saltus_orbits *o, flat *f) {
     return room;
 }
 
-bool saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltus_locus_point *at) {
-    const double slow = 1e-3, near = 1e-3;
-    const saltus_solution *s = &here->orbit;
-    int part[SALTUS_MARKS_MAX];
-    double slowest, fastest, doubt;
-    const saltus_sequence few = gather(&s->sequence, part);
-    saltus_solution_speed_range(s, &slowest, &fastest);
-    if (fastest > slow || few.count == 0 || few.contacts || few.omega > 0)
-        return false;
-    flat f = {.marks = few.count, .first = x->orbits.n};
-    const saltus_status status = saltus_orbits_shoot(&x->orbits, s, &few, &f.shooting, NULL);
-    bool found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK && open_flat(&x->orbits, &f);
+/* The orbit of f, with this sequence, that is next to `here` becomes `at`. */
+static bool seek(saltus_extended *x, flat *f, const saltus_sequence *few, const saltus_locus_point *here,
+                 saltus_locus_point *at) {
+    const double near = 1e-3;
+    double doubt;
+    const saltus_status status = saltus_orbits_shoot(&x->orbits, &here->orbit, few, &f->shooting, NULL);
+    bool found = saltus_orbits_noted(&x->orbits, status) == SALTUS_OK && open_flat(&x->orbits, f);
     if (found) {
-        memcpy(f.u, f.e->trial, (size_t)f.e->unknowns * sizeof *f.u);
-        found = find_flat(&x->orbits, &f, &doubt) &&
-                saltus_orbits_noted(&x->orbits, take_over(x, &f, at)) == SALTUS_OK &&
+        memcpy(f->u, f->e->trial, (size_t)f->e->unknowns * sizeof *f->u);
+        found = find_flat(&x->orbits, f, &doubt) &&
+                saltus_orbits_noted(&x->orbits, take_over(x, f, at)) == SALTUS_OK &&
                 saltus_locus_leads(x, here, near, at);
     }
-    if (found) {
+    if (found)
         at->doubt = doubt;
-        x->mark = x->kind == SALTUS_POINT_GR ? part[x->mark] : 0;
-    }
-    saltus_dense_lu_close(&f.lu);
-    saltus_arena_close(&f.arena);
-    saltus_shooting_free(f.shooting);
+    saltus_dense_lu_close(&f->lu);
+    saltus_arena_close(&f->arena);
+    saltus_shooting_free(f->shooting);
     return found;
+}
+
+const char *saltus_flat_touch(saltus_extended *x, const saltus_locus_point *here, saltus_locus_point *at) {
+    const double slow = 1e-3;
+    const saltus_solution *s = &here->orbit;
+    int part[SALTUS_MARKS_MAX];
+    double slowest, fastest;
+    saltus_sequence few = gather(&s->sequence, part);
+    saltus_solution_speed_range(s, &slowest, &fastest);
+    flat all = {.marks = few.count, .first = x->orbits.n, .derivatives = 3};
+    if (fastest <= slow && few.count > 0 && !few.contacts && !(few.omega > 0) &&
+        seek(x, &all, &few, here, at)) {
+        x->mark = x->kind == SALTUS_POINT_GR ? part[x->mark] : 0;
+        return "all its impacts shrink to a touch at which the acceleration is zero, too";
+    }
+    flat one = {.marks = 1, .first = x->orbits.n * s->sequence.cuts + x->mark, .derivatives = 2};
+    return x->kind == SALTUS_POINT_GR && gather_landing(&s->sequence, x->mark, &few) &&
+                   seek(x, &one, &few, here, at)
+               ? "the touch and the chatter after it shrink to the begin of a contact without acceleration"
+               : NULL;
 }

@@ -24,7 +24,6 @@ static const double stride_short = 1e-5, stride_min = 1e-7;
 static const char ceases_to_complete[] =
     "chatter ceases to complete: the contact after it shrinks to nothing";
 static const char lost[] = "the equations fail at the first point";
-static const char shrinks[] = "all its impacts shrink to a touch at which the acceleration is zero, too";
 static const char is_back[] = "the curve is closed: it has come back";
 
 /* The parameters' part of a vector of unknowns. */
@@ -267,12 +266,13 @@ static void take_multipliers_without(saltus_locus *l, const saltus_solution *s, 
     saltus_orbits_noted(o, status);
 }
 
-/* Give out a point of the curve, what.ahead of `here`; nothing if the curve has ended. */
+/* Give out a point of the curve, what.ahead of `here`; nothing if the curve has ended. Of an end,
+ * what.accuracy tells whether it was located. */
 static void give_as(saltus_locus *l, const saltus_locus_point *p, saltus_notice what) {
     const saltus_solution *s = &p->orbit;
     const saltus_family *family = &l->x.orbits.family;
     const saltus_branch_options *options = l->trail->options;
-    const bool located = what.kind != l->x.kind && (what.kind != SALTUS_POINT_EP || what.reason == shrinks);
+    const bool located = what.kind != l->x.kind && (what.kind != SALTUS_POINT_EP || what.accuracy > 0);
     const double breach = saltus_corner_breach(&l->x, s);
     const bool grazes = l->x.kind == SALTUS_POINT_GR, grazing = grazes || fabs(breach) < 1e-8;
     saltus_cycle_count count;
@@ -606,12 +606,17 @@ static void give_end(saltus_locus *l, bool last) {
     const saltus_point_kind kind =
         ends ? SALTUS_POINT_REGULAR : saltus_locus_join(&l->x, &l->here, &l->trial);
     ends = ends || (!kind && saltus_locus_fade(&l->x, &l->here, &l->trial));
+    const char *flat = kind || ends ? NULL : saltus_flat_touch(&l->x, &l->here, &l->trial);
     if (kind)
         give_join(l, kind);
     else if (ends)
         give_corner(l, l->here.corners[0], l->trial.at.ahead);
-    else if (saltus_flat_touch(&l->x, &l->here, &l->trial))
-        give(l, &l->trial, SALTUS_POINT_EP, l->trial.at.ahead, shrinks);
+    else if (flat)
+        give_as(l, &l->trial,
+                (saltus_notice){.kind = SALTUS_POINT_EP,
+                                .ahead = l->trial.at.ahead,
+                                .accuracy = l->trial.doubt,
+                                .reason = flat});
     else if (last)
         give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit));
 }

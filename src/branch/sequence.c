@@ -84,8 +84,7 @@ double saltus_sequence_repeats(const saltus_sequence *s, int parts, bool mirrore
     return part > 0 && part * parts == s->count ? largest : INFINITY;
 }
 
-/* Whether chatter completes in the piece after a driven mark: the next mark of its face is the release. */
-static bool chatter_completes(const saltus_sequence *s, int k) {
+bool saltus_sequence_completes(const saltus_sequence *s, int k) {
     for (int j = k + 1; j < s->count; j++)
         if (s->mark[j].face == s->mark[k].face)
             return s->mark[j].kind == SALTUS_RELEASE;
@@ -95,7 +94,7 @@ static bool chatter_completes(const saltus_sequence *s, int k) {
 bool saltus_sequence_has_tail(const saltus_sequence *s) {
     bool tail = s->driven && !(s->count && s->mark[0].kind == SALTUS_RELEASE);
     for (int k = 0; k < s->count; k++)
-        tail = tail || (s->mark[k].driven && !chatter_completes(s, k));
+        tail = tail || (s->mark[k].driven && !saltus_sequence_completes(s, k));
     return tail;
 }
 
@@ -106,7 +105,7 @@ static void find_held(const saltus_sequence *s, unsigned *held) {
         const saltus_mark *mark = &s->mark[k];
         if (mark->kind == SALTUS_RELEASE)
             now &= ~(1u << mark->face);
-        else if (mark->kind == SALTUS_STICK || (mark->driven && chatter_completes(s, k)))
+        else if (mark->kind == SALTUS_STICK || (mark->driven && saltus_sequence_completes(s, k)))
             now |= 1u << mark->face;
         held[k] = now;
     }

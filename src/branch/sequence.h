@@ -32,6 +32,8 @@ saltus_sequence saltus_sequence_part(const saltus_sequence *sequence, int parts)
  * compare. */
 double saltus_sequence_repeats(const saltus_sequence *sequence, int parts, bool mirrored);
 
+/* Whether chatter completes in the piece after a driven mark k: the next mark of its face is the release. */
+bool saltus_sequence_completes(const saltus_sequence *sequence, int k);
 /* Whether the flow finds other events than those that complete chatter: the tail of a long run. */
 bool saltus_sequence_has_tail(const saltus_sequence *sequence);
 
