@@ -881,10 +881,10 @@ static void a_touch_becomes_the_begin_of_a_contact(void **unused) {
                                     "c=0.263 F=0.334 d=1.034 r=0.673 omega=0.308",
                                     SALTUS_POINT_GR,
                                     {"omega", "d"},
-                                    {0.208, 0.3},
-                                    {0.408, 1.2},
+                                    {0.25, 0.9},
+                                    {0.31, 1.04},
                                     0,
-                                    {0.05, 0.02},
+                                    {0.2, 0.05},
                                     -1};
     double place[2] = {0.26, 1.02};
     for (int k = 0; k < 20; k++) {
