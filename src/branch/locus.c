@@ -683,13 +683,22 @@ static void meet_rest(saltus_locus *l) {
     }
 }
 
+/* How many times the usual residual a step from `here` may leave: more than once where steps have become
+ * short as Newton's method comes down to rounding, which is as large as the tolerance. */
+static double looseness(const saltus_locus *l) {
+    const double rounds = 0.1, loose = 30, brief = 1e-4;
+    return l->trail->step < brief && l->here.at.residual > rounds * l->x.equations.tolerance ? loose : 1;
+}
+
 /* A step onto a sound orbit, halved until there is one, and with the corners on it. *reached as
  * saltus_curve_step has it. The curve may end instead. */
 static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed) {
     const int c = l->x.orbits.equations->count;
     const saltus_curve_bound bounds[2] = {{c, l->border[0][0], l->border[0][1]},
                                           {c + 1, l->border[1][0], l->border[1][1]}};
+    const double loose = looseness(l);
     double least = l->trail->step > stride_short ? stride_short : stride_min;
+    l->x.equations.tolerance *= loose;
     if (saltus_halved_resonates(&l->x, &l->here, &l->trial))
         give_join(l, SALTUS_POINT_GR_GR);
     for (bool located = false; !located && l->trail->following;) {
@@ -697,12 +706,12 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
         for (; !found && l->trail->step > least; l->trail->step *= found ? 1 : 0.5) {
             const saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step,
                                                            bounds, 2, &l->next.at, reached, NULL);
-            found =
-                saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
-                saltus_locus_survey(&l->x, &l->next) && is_near(l, &l->next) &&
-                !saltus_curve_strays(&l->here.at, &l->next.at) &&
-                l->next.at.residual <= saltus_locus_sharpness(&l->x, &l->next, l->x.equations.tolerance) &&
-                !saltus_extended_strays(&l->x) && saltus_locus_is_sound(&l->x, &l->here, &l->next);
+            found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
+                    saltus_locus_survey(&l->x, &l->next) && is_near(l, &l->next) &&
+                    !saltus_curve_strays(&l->here.at, &l->next.at) &&
+                    l->next.at.residual <=
+                        loose * saltus_locus_sharpness(&l->x, &l->next, l->x.equations.tolerance) &&
+                    !saltus_extended_strays(&l->x) && saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
         if (!found) {
             give_end(l, least == stride_min);
