@@ -437,10 +437,11 @@ typedef struct pipe_flips_network {
 } pipe_flips_network;
 
 /* It is made when a test asks for it: the sanitized build's do not. */
-static pipe_flips_network *find_network(void) {
+static pipe_flips_network made;
+
+static const pipe_flips_network *find_network(void) {
     static const char *const key[2] = {"omega", "d"};
     static const double low[2] = {38, 0.034}, high[2] = {46, 0.036};
-    static pipe_flips_network made;
     if (made.record.count > 0)
         return &made;
     made.reference = read_reference("fig7d");
@@ -454,8 +455,7 @@ static pipe_flips_network *find_network(void) {
 
 static int drop_network(void **unused) {
     (void)unused;
-    if (!getenv("SALTUS_SANITIZED"))
-        branch_forget(&find_network()->record);
+    branch_forget(&made.record);
     return 0;
 }
 

@@ -696,9 +696,9 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
     const int c = l->x.orbits.equations->count;
     const saltus_curve_bound bounds[2] = {{c, l->border[0][0], l->border[0][1]},
                                           {c + 1, l->border[1][0], l->border[1][1]}};
-    const double loose = looseness(l);
+    const double usual = l->x.equations.tolerance, loose = looseness(l);
     double least = l->trail->step > stride_short ? stride_short : stride_min;
-    l->x.equations.tolerance *= loose;
+    l->x.equations.tolerance = loose * usual;
     if (saltus_halved_resonates(&l->x, &l->here, &l->trial))
         give_join(l, SALTUS_POINT_GR_GR);
     for (bool located = false; !located && l->trail->following;) {
@@ -709,8 +709,7 @@ static void take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed
             found = saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK &&
                     saltus_locus_survey(&l->x, &l->next) && is_near(l, &l->next) &&
                     !saltus_curve_strays(&l->here.at, &l->next.at) &&
-                    l->next.at.residual <=
-                        loose * saltus_locus_sharpness(&l->x, &l->next, l->x.equations.tolerance) &&
+                    l->next.at.residual <= loose * saltus_locus_sharpness(&l->x, &l->next, usual) &&
                     !saltus_extended_strays(&l->x) && saltus_locus_is_sound(&l->x, &l->here, &l->next);
         }
         if (!found) {

@@ -253,11 +253,10 @@ static saltus_status switch_to(saltus_rest_locus *l, saltus_branch_start *start,
                        saltus_rest_visit(&l->rests, &l->here, apart, aside, &why) == SALTUS_OK;
     const bool forth =
         leaves ? sound && aside->breach[face] < 0
-        : splits
-            ? sound &&
-                  isfinite(saltus_rests_pair(&l->rests, aside->at.u, l->rests.special.square, &square)) &&
-                  square > 0
-            : true;
+               : !splits ||
+                     (sound &&
+                      isfinite(saltus_rests_pair(&l->rests, aside->at.u, l->rests.special.square, &square)) &&
+                      square > 0);
     l->way = 0;
     l->way_count = leaves || splits ? 1 : 2;
     l->first_way = forth ? 1 : -1;
